@@ -1,0 +1,1 @@
+//! One series elastic actuator: motor, transmission, spring and beams, integration, benches and effects.

@@ -1,0 +1,1 @@
+//! A URDF leg in the physics engine, driven by series elastic actuators.

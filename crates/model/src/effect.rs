@@ -1,0 +1,71 @@
+//! The card of a physical effect: what it is, where it acts, its law and its parameters.
+
+use crate::Parameter;
+
+/// What a person and a search need to know of an effect before trying it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EffectCard {
+    /// Unique id in files, on the command line and in reports, with its place where it is scoped.
+    pub id: String,
+    /// One line: what happens physically.
+    pub summary: String,
+    /// Where it acts: `rotor`, `drive`, `spring`, `spring path`, `screw side`, `force path`, `sensor`,
+    /// `output joint`, `output link`, `foot`, `link`.
+    pub acts_on: String,
+    /// The law as an equation in plain text, with the symbols of the catalogue.
+    pub equation: String,
+    /// Sign and validity, one or two sentences.
+    pub validity: String,
+    /// Where the law comes from.
+    pub reference: String,
+    /// Its parameters with guesses that suit the excitation seen.
+    pub parameters: Vec<Parameter>,
+    /// Whether it can only take mechanical energy out or store it.
+    pub passive: bool,
+}
+
+/// Least, greatest and root-mean-square value of one signal over the runs at hand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalRange {
+    /// The signal's name with unit suffix.
+    pub name: String,
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
+    /// Root mean square.
+    pub rms: f64,
+}
+
+impl SignalRange {
+    /// Greatest magnitude.
+    #[must_use]
+    pub fn peak(&self) -> f64 {
+        self.min.abs().max(self.max.abs())
+    }
+}
+
+/// What the runs at hand measured and how hard they drove the model: effects choose their guesses by it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Excitation {
+    /// The measured output channels.
+    pub measured: Vec<String>,
+    /// Ranges of the inputs, of the predicted outputs and of the internal signals of the base model.
+    pub ranges: Vec<SignalRange>,
+    /// Median sampling period, s.
+    pub sample_period_s: f64,
+}
+
+impl Excitation {
+    /// The range of a signal, if it is known.
+    #[must_use]
+    pub fn range(&self, name: &str) -> Option<&SignalRange> {
+        self.ranges.iter().find(|r| r.name == name)
+    }
+
+    /// The greatest magnitude of a signal, or `otherwise` where nothing is known of it.
+    #[must_use]
+    pub fn peak_or(&self, name: &str, otherwise: f64) -> f64 {
+        self.range(name).map(SignalRange::peak).filter(|p| *p > 0.0).unwrap_or(otherwise)
+    }
+}

@@ -1,0 +1,150 @@
+//! What any model is: channels, records, parameters, effects, and the one trait that diagnosis sees.
+//!
+//! A [`Model`] predicts the output channels of a [`Record`] from its input channels. Everything that
+//! compares models with measurements (`sealegs-sysid`) knows a model through this trait only; everything
+//! that is a model (a bench, a leg) implements it.
+//!
+//! # Conventions
+//!
+//! SI units and radians everywhere; the unit is the suffix of a channel's or parameter's name
+//! (`force_1_n`, `motor_angle_rad`). The actuator's axis points from link 1 (the spring side) to link 2
+//! (the screw side); forces inside the actuator are positive in compression; the screw's extension
+//! `y = r theta` is positive when it lengthens the actuator. A residual is measured minus predicted.
+
+mod channel;
+mod effect;
+mod parameter;
+mod record;
+
+pub use channel::{Unit, UnknownUnit};
+pub use effect::{EffectCard, Excitation, SignalRange};
+pub use parameter::{Parameter, Scale};
+pub use record::{InputHold, Prediction, Record, Signal, internal};
+
+use std::fmt;
+
+/// A physical model of a bench, an actuator or a leg, as diagnosis sees it.
+///
+/// A model is a value: [`Model::with_effect`] returns a new one and leaves the old one as it was, so that
+/// sets of effects can be tried side by side and in parallel.
+pub trait Model: fmt::Debug + Send + Sync {
+    /// A short name for messages and reports, for example `thor-linear on the locked bench`.
+    fn name(&self) -> String;
+
+    /// The parameters, the base model's own first, then those of each included effect in the order of
+    /// inclusion. An effect's parameter is called `<effect id>.<symbol>`.
+    fn parameters(&self) -> &[Parameter];
+
+    /// Names of the input channels of which a record must have exactly one, in order of preference.
+    /// Empty if the model brings its own commands (a leg with a scenario).
+    fn inputs(&self) -> &[&'static str];
+
+    /// Whether the model can predict this output channel.
+    fn predicts(&self, channel: &str) -> bool;
+
+    /// Ids of the effects that are included, in the order of inclusion.
+    fn included(&self) -> Vec<String>;
+
+    /// The effects that this model could have and does not include, with parameters whose guesses suit
+    /// the excitation that was seen. Scoped effects carry their place in the id:
+    /// `sensor-lag@output_torque_nm`, `knee/coulomb-friction`.
+    fn effects(&self, seen: &Excitation) -> Vec<EffectCard>;
+
+    /// This model with one more effect. At the neutral values of the effect's parameters the prediction
+    /// is the same as without it.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::UnknownEffect`] if the id is not one of [`Model::effects`].
+    fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError>;
+
+    /// The prediction of the named output `channels` at the record's time stamps, for parameter `values`
+    /// in the order of [`Model::parameters`]. The record's own outputs are not read.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::UnknownChannel`], [`ModelError::NoInput`], or [`ModelError::NotFinite`] when the
+    /// state runs away.
+    fn predict(&self, values: &[f64], record: &Record, channels: &[String]) -> Result<Prediction, ModelError>;
+
+    /// A copy behind a new box.
+    fn clone_box(&self) -> Box<dyn Model>;
+}
+
+impl Clone for Box<dyn Model> {
+    fn clone(&self) -> Self {
+        self.clone_box()
+    }
+}
+
+/// Why a model could not do what it was asked.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// No effect has this id, or it is included already.
+    UnknownEffect {
+        /// The id that was asked for.
+        id: String,
+        /// The id that comes nearest to it, if one does.
+        suggestion: Option<String>,
+    },
+    /// The model predicts no such channel.
+    UnknownChannel {
+        /// The channel that was asked for.
+        channel: String,
+    },
+    /// The record has none of the model's input channels, or more than one.
+    NoInput {
+        /// The record's name.
+        record: String,
+        /// The channels of which it needs one.
+        wanted: Vec<String>,
+        /// Those of them that it has.
+        found: Vec<String>,
+    },
+    /// A state or output is no longer finite.
+    NotFinite {
+        /// When, in the record's time, s.
+        time_s: f64,
+        /// What: the state's or channel's name.
+        what: String,
+    },
+    /// A parameter value that the physics does not admit.
+    BadParameter {
+        /// The parameter's name.
+        name: String,
+        /// The value.
+        value: f64,
+        /// What is admitted, for example `positive`.
+        admitted: &'static str,
+    },
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UnknownEffect { id, suggestion } => {
+                write!(f, "no effect '{id}' can be added to this model")?;
+                match suggestion {
+                    Some(s) => write!(f, "; did you mean '{s}'?"),
+                    None => Ok(()),
+                }
+            }
+            Self::UnknownChannel { channel } => write!(f, "this model does not predict '{channel}'"),
+            Self::NoInput { record, wanted, found } if found.is_empty() => {
+                write!(f, "{record}: no input column; one of {} is needed", wanted.join(", "))
+            }
+            Self::NoInput { record, found, .. } => {
+                write!(f, "{record}: two input columns at once: {}", found.join(", "))
+            }
+            Self::NotFinite { time_s, what } => {
+                write!(f, "{what} is no longer finite at {time_s} s")
+            }
+            Self::BadParameter { name, value, admitted } => {
+                write!(f, "{name} = {value}: must be {admitted}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ModelError {}

@@ -1,0 +1,114 @@
+//! One recorded run, and what a model says it should have been.
+
+/// How the input behaves between its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InputHold {
+    /// Constant from one sample to the next.
+    #[default]
+    ZeroOrder,
+    /// A straight line from one sample to the next.
+    Linear,
+    /// No content above half the sampling frequency: interpolated accordingly.
+    BandLimited,
+}
+
+/// A named sequence of values, one per time stamp of its record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// The name with its unit as suffix, for example `force_1_n`.
+    pub channel: String,
+    /// The values, SI.
+    pub values: Vec<f64>,
+}
+
+/// One recorded run on its own, possibly irregular, time stamps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Where it came from, for messages.
+    pub name: String,
+    /// Strictly increasing time stamps, s.
+    pub time_s: Vec<f64>,
+    /// How the inputs behave between samples.
+    pub hold: InputHold,
+    /// The input channels.
+    pub inputs: Vec<Signal>,
+    /// The measured output channels.
+    pub outputs: Vec<Signal>,
+}
+
+impl Record {
+    /// The values of an input channel.
+    #[must_use]
+    pub fn input(&self, channel: &str) -> Option<&[f64]> {
+        self.inputs.iter().find(|s| s.channel == channel).map(|s| s.values.as_slice())
+    }
+
+    /// The values of a measured output channel.
+    #[must_use]
+    pub fn output(&self, channel: &str) -> Option<&[f64]> {
+        self.outputs.iter().find(|s| s.channel == channel).map(|s| s.values.as_slice())
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+}
+
+/// What a model predicts for one record, at the record's time stamps.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Prediction {
+    /// The output channels that were asked for, in that order.
+    pub outputs: Vec<Signal>,
+    /// Signals inside the model that nobody measured, by which a residual is located: speed, load,
+    /// deflection, angle. Their names are those of [`internal`] where they apply.
+    pub internals: Vec<Signal>,
+    /// What the reader should know: a beam past yield, a current at its limit; one line each, with the time.
+    pub events: Vec<String>,
+}
+
+impl Prediction {
+    /// The values of a predicted output channel.
+    #[must_use]
+    pub fn output(&self, channel: &str) -> Option<&[f64]> {
+        self.outputs.iter().find(|s| s.channel == channel).map(|s| s.values.as_slice())
+    }
+
+    /// The values of an internal signal.
+    #[must_use]
+    pub fn internal(&self, name: &str) -> Option<&[f64]> {
+        self.internals.iter().find(|s| s.channel == name).map(|s| s.values.as_slice())
+    }
+}
+
+/// Names of internal signals.
+///
+/// For a rotary actuator the same names stand for the rotary quantities (N m and rad in place of N and m):
+/// effects and residual maps then need no second set.
+pub mod internal {
+    /// Speed of the screw (linear) or of the motor at the output (rotary): m/s or rad/s.
+    pub const SCREW_SPEED: &str = "screw_speed";
+    /// Extension of the screw `y` (linear) or motor angle at the output (rotary): m or rad.
+    pub const SCREW_POSITION: &str = "screw_position";
+    /// Force in the screw `F_bs` (linear) or torque behind the gear (rotary): N or N m.
+    pub const SCREW_FORCE: &str = "screw_force";
+    /// Spring deflection: m or rad.
+    pub const SPRING_DEFLECTION: &str = "spring_deflection";
+    /// Force of the motor on the screw `F_m`: N or N m.
+    pub const MOTOR_FORCE: &str = "motor_force";
+    /// Rotor angle, rad.
+    pub const ROTOR_ANGLE: &str = "rotor_angle_rad";
+    /// Rotor speed, rad/s.
+    pub const ROTOR_SPEED: &str = "rotor_speed_rad_s";
+    /// Angle of the output joint, rad.
+    pub const JOINT_ANGLE: &str = "joint_angle";
+    /// Speed of the output joint, rad/s.
+    pub const JOINT_SPEED: &str = "joint_speed";
+}

@@ -1,0 +1,1 @@
+//! Recordings for Rerun and self-contained HTML reports with pictures.

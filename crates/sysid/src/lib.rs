@@ -1,0 +1,1 @@
+//! From measurements to a verdict: campaign, residual, location, screening, fit, selection.

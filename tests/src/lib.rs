@@ -1,0 +1,1 @@
+//! What holds across crates; the tests themselves are in `tests/`.
