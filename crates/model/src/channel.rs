@@ -33,11 +33,7 @@ pub struct UnknownUnit {
 
 impl fmt::Display for UnknownUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "'{}' does not end in a known unit (_s, _a, _n, _nm, _rad, _m, _m_s, _rad_s)",
-            self.channel
-        )
+        write!(f, "'{}' does not end in a known unit (_s, _a, _n, _nm, _rad, _m, _m_s, _rad_s)", self.channel)
     }
 }
 

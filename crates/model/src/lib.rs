@@ -65,7 +65,8 @@ pub trait Model: fmt::Debug + Send + Sync {
     ///
     /// [`ModelError::UnknownChannel`], [`ModelError::NoInput`], or [`ModelError::NotFinite`] when the
     /// state runs away.
-    fn predict(&self, values: &[f64], record: &Record, channels: &[String]) -> Result<Prediction, ModelError>;
+    fn predict(&self, values: &[f64], record: &Record, channels: &[String])
+    -> Result<Prediction, ModelError>;
 
     /// A copy behind a new box.
     fn clone_box(&self) -> Box<dyn Model>;

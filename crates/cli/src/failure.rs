@@ -1,0 +1,49 @@
+//! How a failure reaches the shell: one message on standard error, and the exit status.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// Exit status of a run in which a limit stated on the command line was passed.
+pub const LIMIT_PASSED: u8 = 3;
+
+/// Marks an error as the user's input's fault: exit status 2.
+#[derive(Debug)]
+struct BadInput(String);
+
+impl fmt::Display for BadInput {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for BadInput {}
+
+/// An error for bad input with this message.
+pub fn bad_input(message: impl fmt::Display) -> anyhow::Error {
+    anyhow::Error::new(BadInput(message.to_string()))
+}
+
+/// Turns a library's error into one for bad input.
+pub trait OrBadInput<T> {
+    /// The same value, or the error's whole message marked as bad input.
+    fn or_bad_input(self) -> anyhow::Result<T>;
+}
+
+impl<T, E: fmt::Display> OrBadInput<T> for Result<T, E> {
+    fn or_bad_input(self) -> anyhow::Result<T> {
+        self.map_err(|error| bad_input(format!("{error:#}")))
+    }
+}
+
+/// Prints the error in one line and chooses the exit status.
+pub fn report(error: &anyhow::Error) -> ExitCode {
+    // A reader that has gone away (`| head`) is no failure of ours to talk about.
+    if error.chain().any(|e| {
+        e.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    }) {
+        return ExitCode::from(1);
+    }
+    eprintln!("sealegs: {error:#}");
+    let bad_input = error.chain().any(|e| e.downcast_ref::<BadInput>().is_some());
+    ExitCode::from(if bad_input { 2 } else { 1 })
+}

@@ -1,0 +1,111 @@
+//! Output files that are whole or not there at all: written beside their place, then renamed.
+
+use crate::failure::bad_input;
+use anyhow::Context;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// Files that are being written; an interrupt removes them.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Makes Ctrl-C remove the unfinished files before the program ends with status 130.
+pub fn remove_unfinished_on_interrupt() {
+    // Without the handler an interrupt still breaks no finished file, it only leaves a `.part` behind.
+    let _ = ctrlc::set_handler(|| {
+        if let Ok(files) = UNFINISHED.lock() {
+            for file in files.iter() {
+                let _ = std::fs::remove_file(file);
+            }
+        }
+        std::process::exit(130);
+    });
+}
+
+/// A place for a result, tried out before long work begins: a file, or standard output for `-`.
+#[derive(Debug)]
+pub struct Destination {
+    path: PathBuf,
+    unfinished: Option<PathBuf>,
+}
+
+impl Destination {
+    /// Checks that `path` can be written by creating `<path>.part` beside it.
+    ///
+    /// # Errors
+    ///
+    /// Bad input if it cannot.
+    pub fn new(path: &Path) -> anyhow::Result<Self> {
+        if path == Path::new("-") {
+            return Ok(Self { path: path.to_owned(), unfinished: None });
+        }
+        if path.is_dir() {
+            return Err(bad_input(format!("{}: is a folder; name a file to write", path.display())));
+        }
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(".part");
+        let unfinished = path.with_file_name(name);
+        std::fs::File::create(&unfinished)
+            .map_err(|e| bad_input(format!("{}: cannot be written: {e}", path.display())))?;
+        if let Ok(mut files) = UNFINISHED.lock() {
+            files.push(unfinished.clone());
+        }
+        Ok(Self { path: path.to_owned(), unfinished: Some(unfinished) })
+    }
+
+    /// As [`Destination::new`] for an option that may be absent.
+    ///
+    /// # Errors
+    ///
+    /// Bad input if it cannot be written.
+    pub fn optional(path: Option<&PathBuf>) -> anyhow::Result<Option<Self>> {
+        path.map(|p| Self::new(p)).transpose()
+    }
+
+    /// Where another writer (a recording) may put its bytes before [`Destination::finish`]; `None` for
+    /// standard output.
+    pub fn part(&self) -> Option<&Path> {
+        self.unfinished.as_deref()
+    }
+
+    /// Writes everything and puts it in place.
+    ///
+    /// # Errors
+    ///
+    /// If the disk does not take it.
+    pub fn write(self, bytes: &[u8]) -> anyhow::Result<()> {
+        match &self.unfinished {
+            None => std::io::stdout().write_all(bytes).context("standard output")?,
+            Some(part) => std::fs::write(part, bytes).with_context(|| self.path.display().to_string())?,
+        }
+        self.finish()
+    }
+
+    /// Puts the file in place.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be renamed.
+    pub fn finish(mut self) -> anyhow::Result<()> {
+        if let Some(part) = self.unfinished.take() {
+            std::fs::rename(&part, &self.path).with_context(|| self.path.display().to_string())?;
+            forget(&part);
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Destination {
+    fn drop(&mut self) {
+        if let Some(part) = &self.unfinished {
+            let _ = std::fs::remove_file(part);
+            forget(part);
+        }
+    }
+}
+
+fn forget(part: &Path) {
+    if let Ok(mut files) = UNFINISHED.lock() {
+        files.retain(|f| f != part);
+    }
+}
