@@ -1,1 +1,3 @@
 //! From measurements to a verdict: campaign, residual, location, screening, fit, selection.
+
+pub mod frf;
