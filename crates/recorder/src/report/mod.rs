@@ -1,0 +1,1 @@
+//! One HTML file made of sections, tables and figures that needs no network.
