@@ -1,1 +1,28 @@
-//! The command line: one file per verb.
+//! The program `sealegs` as a library, so that tests call what the verbs call: one file per verb in [`verb`],
+//! what they share in [`failure`] and [`output`].
+//!
+//! Exit status: 0 done, 2 bad input, 3 a limit stated on the command line was passed, 1 anything else.
+
+pub mod failure;
+pub mod output;
+pub mod verb;
+
+use clap::Parser;
+
+/// A sandbox for humanoid legs driven by linear series elastic actuators.
+#[derive(Parser)]
+#[command(name = "sealegs", version, about, long_about = None, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: verb::Verb,
+}
+
+/// Runs the command line of this process.
+#[must_use]
+pub fn run() -> std::process::ExitCode {
+    output::remove_unfinished_on_interrupt();
+    match verb::run(Arguments::parse().verb) {
+        Ok(status) => std::process::ExitCode::from(status),
+        Err(error) => failure::report(&error),
+    }
+}

@@ -1,25 +1,5 @@
-//! The program `sealegs`: one file per verb in `verb/`, what they share in `failure` and `output`.
-//!
-//! Exit status: 0 done, 2 bad input, 3 a limit stated on the command line was passed, 1 anything else.
-
-mod failure;
-mod output;
-mod verb;
-
-use clap::Parser;
-
-/// A sandbox for humanoid legs driven by linear series elastic actuators.
-#[derive(Parser)]
-#[command(name = "sealegs", version, about, long_about = None, arg_required_else_help = true)]
-struct Arguments {
-    #[command(subcommand)]
-    verb: verb::Verb,
-}
+//! The program `sealegs`; see the library beside it.
 
 fn main() -> std::process::ExitCode {
-    output::remove_unfinished_on_interrupt();
-    match verb::run(Arguments::parse().verb) {
-        Ok(status) => std::process::ExitCode::from(status),
-        Err(error) => failure::report(&error),
-    }
+    sealegs_cli::run()
 }
