@@ -1,0 +1,84 @@
+//! What a robot is made of: links, joints, and where its actuators sit; loaded from URDF and a placement file.
+//!
+//! No type of the physics engine appears here. All frames are right-handed; the shipped legs use x forward,
+//! y to the left, z up, and stand straight when every joint is at zero. A pose `world_from_link` maps
+//! coordinates in the link's frame to the world. As in URDF, a link's frame is the frame of the joint that
+//! carries it, and the joint turns about, or slides along, `axis` in that frame.
+
+mod fault;
+mod joint;
+mod link;
+mod placement;
+
+pub use fault::RobotFault;
+pub use joint::{Joint, JointKind, JointLimits};
+pub use link::{Geometry, Inertial, Link, Mesh, Shape};
+pub use placement::{Drive, HoekensMount, LengthRange, Placement};
+
+use std::path::PathBuf;
+
+/// A tree of links and joints with the actuators that drive it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    /// The robot's name, from the URDF.
+    pub name: String,
+    /// The links in topological order: a parent comes before its children, the only root is `links[0]`.
+    pub links: Vec<Link>,
+    /// The joints, `joints[i]` carries `links[i + 1]`.
+    pub joints: Vec<Joint>,
+    /// Number of degrees of freedom: how many joints are not fixed.
+    pub dofs: usize,
+    /// The actuators, in the order of the placement file; empty where there is none.
+    pub actuators: Vec<Placement>,
+    /// What was read and is not supported, one sentence each.
+    pub warnings: Vec<String>,
+    /// Where the robot came from.
+    pub source: Source,
+}
+
+/// Where a robot was read from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Source {
+    /// Embedded in the program under this name.
+    Preset(String),
+    /// A user's files.
+    Files {
+        /// The URDF.
+        urdf: PathBuf,
+        /// The placement file, if there is one.
+        placement: Option<PathBuf>,
+    },
+    /// Made from text or by a program, under this name.
+    Text(String),
+}
+
+impl Robot {
+    /// The index of the link with this name.
+    #[must_use]
+    pub fn link_index(&self, name: &str) -> Option<usize> {
+        self.links.iter().position(|l| l.name == name)
+    }
+
+    /// The index of the joint with this name.
+    #[must_use]
+    pub fn joint_index(&self, name: &str) -> Option<usize> {
+        self.joints.iter().position(|j| j.name == name)
+    }
+
+    /// The index of the actuator with this name.
+    #[must_use]
+    pub fn actuator_index(&self, name: &str) -> Option<usize> {
+        self.actuators.iter().position(|a| a.name == name)
+    }
+
+    /// The joints that move, in the order of their degree of freedom.
+    pub fn moving_joints(&self) -> impl Iterator<Item = &Joint> {
+        self.joints.iter().filter(|j| j.dof.is_some())
+    }
+
+    /// Mass of all links as the URDF states them, kg.
+    #[must_use]
+    pub fn mass_kg(&self) -> f64 {
+        self.links.iter().filter_map(|l| l.inertial.as_ref()).map(|i| i.mass_kg).sum()
+    }
+}
