@@ -1,1 +1,13 @@
 //! One series elastic actuator: motor, transmission, spring and beams, integration, benches and effects.
+//!
+//! [`ActuatorSpec`] is the actuator's file; [`spring`] says what a beam does and bears, [`linkage`] what moves
+//! between actuator and joint.
+
+mod error;
+pub mod linkage;
+pub mod spec;
+pub mod spring;
+pub mod text;
+
+pub use error::ActuatorError;
+pub use spec::{ActuatorSpec, Coefficients, Configuration, Kind};

@@ -1,0 +1,5 @@
+//! Linkages between an actuator's output and the joint.
+
+mod hoekens;
+
+pub use hoekens::Hoekens;

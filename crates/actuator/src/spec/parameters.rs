@@ -1,0 +1,156 @@
+//! The base parameters: a fixed vocabulary of what a fit may change in the plain actuator.
+
+use sealegs_model::{Parameter, Scale};
+use serde::{Deserialize, Serialize};
+
+use super::{ActuatorSpec, Kind};
+use crate::ActuatorError;
+use crate::text::nearest;
+
+/// Name, unit of a linear actuator and unit of a rotary one, in the order of
+/// [`ActuatorSpec::base_parameters`].
+pub const BASE_PARAMETERS: [(&str, &str, &str); 6] = [
+    ("stiffness", "N/m", "N m/rad"),
+    ("reflected_inertia", "kg", "kg m^2"),
+    ("damping", "N s/m", "N m s/rad"),
+    ("force_constant", "N/A", "N m/A"),
+    ("motor_gain", "", ""),
+    ("sprung_mass", "kg", ""),
+];
+
+/// What is known of a base parameter beside what the physics gives: `[parameters.<name>]`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterSpec {
+    /// A measured or fitted value in place of what the physics gives.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// One standard deviation from individual to individual, as a ratio of the nominal value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+    /// One standard deviation of what a fit knows of the value, in its unit; goes before `tolerance`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std: Option<f64>,
+    /// Least admitted value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// Greatest admitted value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+    /// Never changed by a fit. Without it, `motor_gain` and `sprung_mass` are fixed unless something else is
+    /// said of them, and all others are free.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fixed: Option<bool>,
+    /// How a search steps: `linear` or `logarithmic`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<Scale>,
+}
+
+/// Without `min` and `max`: this far from the nominal value, as ratios.
+const BOUNDS_LINEAR: (f64, f64) = (0.5, 1.5);
+/// The same for a quantity of which only the order of magnitude is guessed.
+const BOUNDS_LOGARITHMIC: (f64, f64) = (1e-4, 1e4);
+
+impl ActuatorSpec {
+    /// The parameters of the plain actuator, nominal values being what the physics gives, in the fixed order of
+    /// [`BASE_PARAMETERS`]; a rotary actuator has no `sprung_mass`.
+    ///
+    /// `force_constant` is felt only where the input is a current, `motor_gain` only where it is a motor force
+    /// or torque.
+    #[must_use]
+    pub fn base_parameters(&self) -> Vec<Parameter> {
+        let c = self.coefficients();
+        let gain = self.parameters.get("motor_gain").and_then(|p| p.value).unwrap_or(1.0);
+        let nominal = [c.stiffness, c.reflected_inertia, c.damping, c.force_constant, gain, c.sprung_mass];
+        BASE_PARAMETERS
+            .into_iter()
+            .zip(nominal)
+            .filter(|((name, ..), _)| self.kind == Kind::Linear || *name != "sprung_mass")
+            .map(|((name, linear, rotary), value)| {
+                let unit = if self.kind == Kind::Linear { linear } else { rotary };
+                parameter(name, unit, value, self.parameters.get(name))
+            })
+            .collect()
+    }
+}
+
+fn parameter(name: &str, unit: &str, value: f64, said: Option<&ParameterSpec>) -> Parameter {
+    let usually_fixed = matches!(name, "motor_gain" | "sprung_mass");
+    let known = said.cloned().unwrap_or_default();
+    let scale = known.scale.unwrap_or_default();
+    let (low, high) = match scale {
+        Scale::Linear => BOUNDS_LINEAR,
+        Scale::Logarithmic => BOUNDS_LOGARITHMIC,
+    };
+    let mut parameter = Parameter::new(
+        name,
+        unit,
+        value,
+        known.min.unwrap_or(low * value),
+        known.max.unwrap_or(high * value),
+    );
+    parameter.prior_std = known.std.or(known.tolerance.map(|t| t * value)).filter(|s| *s > 0.0);
+    parameter.fixed = known.fixed.unwrap_or(usually_fixed && said.is_none_or(|s| *s == value_only(s)));
+    parameter.scale = scale;
+    if value == 0.0 {
+        // Nothing to take a ratio of: the span of the bounds, or one unit, is a typical change.
+        parameter.typical =
+            if parameter.max > parameter.min { 0.1 * (parameter.max - parameter.min) } else { 1.0 };
+    }
+    parameter
+}
+
+/// The same statement reduced to its value: a bare value does not free a parameter that is usually fixed.
+fn value_only(said: &ParameterSpec) -> ParameterSpec {
+    ParameterSpec { value: said.value, ..ParameterSpec::default() }
+}
+
+/// Checks the `[parameters]` tables of a file.
+pub(super) fn validate(spec: &ActuatorSpec) -> Result<(), ActuatorError> {
+    let names = BASE_PARAMETERS.map(|(name, ..)| name);
+    for (name, said) in &spec.parameters {
+        if !names.contains(&name.as_str()) {
+            let hint = nearest(name, names).map(|n| format!("; did you mean '{n}'?")).unwrap_or_default();
+            return Err(ActuatorError::value(
+                format!("parameters.{name}"),
+                "a table",
+                format!("one of {}{hint}", names.join(", ")),
+            ));
+        }
+        let check = |field: &str, value: Option<f64>, ok: fn(f64) -> bool, admitted: &str| match value {
+            Some(v) if !(v.is_finite() && ok(v)) => {
+                Err(ActuatorError::value(format!("parameters.{name}.{field}"), v, admitted))
+            }
+            _ => Ok(()),
+        };
+        if matches!(name.as_str(), "damping" | "sprung_mass") {
+            check("value", said.value, |v| v >= 0.0, "zero or positive, and finite")?;
+        } else {
+            check("value", said.value, |v| v > 0.0, "positive and finite")?;
+        }
+        check("tolerance", said.tolerance, |v| v >= 0.0, "zero or positive, and finite")?;
+        check("std", said.std, |v| v >= 0.0, "zero or positive, and finite")?;
+        check("min", said.min, |v| v >= 0.0, "zero or positive, and finite")?;
+        check("max", said.max, |v| v > 0.0, "positive and finite")?;
+        if said.scale == Some(Scale::Logarithmic) {
+            check("min", said.min, |v| v > 0.0, "positive on a logarithmic scale")?;
+        }
+    }
+    for p in spec.base_parameters() {
+        if p.scale == Scale::Logarithmic && p.value <= 0.0 {
+            return Err(ActuatorError::value(
+                format!("parameters.{}.scale", p.name),
+                "logarithmic",
+                "linear for a value of zero",
+            ));
+        }
+        if !(p.min <= p.value && p.value <= p.max) {
+            return Err(ActuatorError::value(
+                format!("parameters.{}", p.name),
+                format!("{} (nominal)", p.value),
+                format!("between min and max, {} and {}", p.min, p.max),
+            ));
+        }
+    }
+    Ok(())
+}
