@@ -29,7 +29,7 @@ pub struct Parameter {
     /// One standard deviation of what is known beforehand about `value`, from the maker's tolerance;
     /// `None` where nothing is known.
     pub prior_std: Option<f64>,
-    /// Never changed by a fit.
+    /// Never changed by a fit. A fixed parameter with `starts` is a discrete choice: each of them is tried.
     pub fixed: bool,
     /// For an effect's parameter, the value at which the effect vanishes; may lie on a bound.
     pub neutral: Option<f64>,

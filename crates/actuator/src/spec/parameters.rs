@@ -9,13 +9,16 @@ use crate::text::nearest;
 
 /// Name, unit of a linear actuator and unit of a rotary one, in the order of
 /// [`ActuatorSpec::base_parameters`].
-pub const BASE_PARAMETERS: [(&str, &str, &str); 6] = [
+pub const BASE_PARAMETERS: [(&str, &str, &str); 9] = [
     ("stiffness", "N/m", "N m/rad"),
     ("reflected_inertia", "kg", "kg m^2"),
     ("damping", "N s/m", "N m s/rad"),
     ("force_constant", "N/A", "N m/A"),
     ("motor_gain", "", ""),
     ("sprung_mass", "kg", ""),
+    ("travel_per_rad", "m/rad", ""),
+    ("input_offset", "", ""),
+    ("command_lead", "samples", "samples"),
 ];
 
 /// What is known of a base parameter beside what the physics gives: `[parameters.<name>]`.
@@ -56,16 +59,32 @@ impl ActuatorSpec {
     /// [`BASE_PARAMETERS`]; a rotary actuator has no `sprung_mass`.
     ///
     /// `force_constant` is felt only where the input is a current, `motor_gain` only where it is a motor force
-    /// or torque.
+    /// or torque. `input_offset` is a constant beside the command, in its unit. `command_lead` is a choice
+    /// between 0 (a row's command is in force from its time stamp on, the sensors are read before it acts) and
+    /// 1 (it was in force during the period that ends at the time stamp); both are tried in a fit.
     #[must_use]
     pub fn base_parameters(&self) -> Vec<Parameter> {
         let c = self.coefficients();
         let gain = self.parameters.get("motor_gain").and_then(|p| p.value).unwrap_or(1.0);
-        let nominal = [c.stiffness, c.reflected_inertia, c.damping, c.force_constant, gain, c.sprung_mass];
+        let said =
+            |name: &str, otherwise: f64| self.parameters.get(name).and_then(|p| p.value).unwrap_or(otherwise);
+        let nominal = [
+            c.stiffness,
+            c.reflected_inertia,
+            c.damping,
+            c.force_constant,
+            gain,
+            c.sprung_mass,
+            said("travel_per_rad", self.ratio()),
+            said("input_offset", 0.0),
+            said("command_lead", 0.0),
+        ];
         BASE_PARAMETERS
             .into_iter()
             .zip(nominal)
-            .filter(|((name, ..), _)| self.kind == Kind::Linear || *name != "sprung_mass")
+            .filter(|((name, ..), _)| {
+                self.kind == Kind::Linear || !matches!(*name, "sprung_mass" | "travel_per_rad")
+            })
             .map(|((name, linear, rotary), value)| {
                 let unit = if self.kind == Kind::Linear { linear } else { rotary };
                 parameter(name, unit, value, self.parameters.get(name))
@@ -75,7 +94,8 @@ impl ActuatorSpec {
 }
 
 fn parameter(name: &str, unit: &str, value: f64, said: Option<&ParameterSpec>) -> Parameter {
-    let usually_fixed = matches!(name, "motor_gain" | "sprung_mass");
+    let usually_fixed =
+        matches!(name, "motor_gain" | "sprung_mass" | "travel_per_rad" | "input_offset" | "command_lead");
     let known = said.cloned().unwrap_or_default();
     let scale = known.scale.unwrap_or_default();
     let (low, high) = match scale {
@@ -92,6 +112,12 @@ fn parameter(name: &str, unit: &str, value: f64, said: Option<&ParameterSpec>) -
     parameter.prior_std = known.std.or(known.tolerance.map(|t| t * value)).filter(|s| *s > 0.0);
     parameter.fixed = known.fixed.unwrap_or(usually_fixed && said.is_none_or(|s| *s == value_only(s)));
     parameter.scale = scale;
+    if name == "command_lead" {
+        // A choice, not a quantity: was a row stamped when its command began or when it ended?
+        parameter.max = 1.0;
+        parameter.starts = vec![0.0, 1.0];
+        parameter.fixed = true;
+    }
     if value == 0.0 {
         // Nothing to take a ratio of: the span of the bounds, or one unit, is a typical change.
         parameter.typical =
@@ -123,14 +149,18 @@ pub(super) fn validate(spec: &ActuatorSpec) -> Result<(), ActuatorError> {
             }
             _ => Ok(()),
         };
-        if matches!(name.as_str(), "damping" | "sprung_mass") {
+        if name == "input_offset" {
+            check("value", said.value, |_| true, "finite")?;
+        } else if matches!(name.as_str(), "damping" | "sprung_mass" | "command_lead") {
             check("value", said.value, |v| v >= 0.0, "zero or positive, and finite")?;
         } else {
             check("value", said.value, |v| v > 0.0, "positive and finite")?;
         }
         check("tolerance", said.tolerance, |v| v >= 0.0, "zero or positive, and finite")?;
         check("std", said.std, |v| v >= 0.0, "zero or positive, and finite")?;
-        check("min", said.min, |v| v >= 0.0, "zero or positive, and finite")?;
+        let signed = name == "input_offset";
+        let least: fn(f64) -> bool = if signed { |_| true } else { |v| v >= 0.0 };
+        check("min", said.min, least, if signed { "finite" } else { "zero or positive, and finite" })?;
         check("max", said.max, |v| v > 0.0, "positive and finite")?;
         if said.scale == Some(Scale::Logarithmic) {
             check("min", said.min, |v| v > 0.0, "positive on a logarithmic scale")?;

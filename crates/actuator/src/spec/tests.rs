@@ -60,7 +60,9 @@ fn a_spring_setting_drops_the_stiffness_measured_at_the_old_one() {
 fn base_parameters_carry_units_priors_and_bounds() {
     let names: Vec<String> = thor().base_parameters().into_iter().map(|p| p.name).collect();
     assert_eq!(names, BASE_PARAMETERS.map(|(name, ..)| name));
-    let [k, inertia, damping, constant, gain, mass] = &thor().base_parameters()[..] else { panic!("six") };
+    let [k, inertia, damping, constant, gain, mass, ..] = &thor().base_parameters()[..] else {
+        panic!("six")
+    };
     assert_eq!((k.unit.as_str(), k.prior_std, k.fixed), ("N/m", Some(0.03 * 655e3), false));
     assert!((inertia.prior_std.expect("tolerance") / inertia.value - 0.06).abs() < 1e-12);
     assert!((damping.prior_std.expect("tolerance") / damping.value - 0.10).abs() < 1e-12);
@@ -72,7 +74,7 @@ fn base_parameters_carry_units_priors_and_bounds() {
 
     let rotary = ActuatorSpec::preset("rmd-x8-rotary-sea").expect("preset");
     let parameters = rotary.base_parameters();
-    assert_eq!(parameters.len(), 5);
+    assert_eq!(parameters.len(), 7);
     assert_eq!((parameters[0].unit.as_str(), parameters[0].value), ("N m/rad", 2500.0));
     assert_eq!((parameters[1].scale, parameters[1].prior_std), (Scale::Logarithmic, None));
     assert!((parameters[3].value - 1.393).abs() < 1e-4);

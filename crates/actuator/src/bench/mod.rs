@@ -1,0 +1,351 @@
+//! Test benches: an actuator between two given links, as a model that diagnosis can compare with records.
+//!
+//! `locked` (high impedance): both links are held. `pendulum` (moving output): link 1, the spring side, is
+//! held and the screw turns a lever with a mass that hangs in gravity. Either link may also be a free mass.
+
+mod channel;
+mod pendulum;
+
+pub use channel::{INPUTS, OUTPUTS};
+pub use pendulum::PendulumRig;
+
+use crate::effect::{ActuatorKind, CATALOGUE, Effect, Setting, ids};
+use crate::plant::{Grid, Link, Plant, Trace, mean_per_step};
+use crate::text::nearest;
+use crate::{ActuatorError, ActuatorSpec, Configuration, Kind};
+use sealegs_model::{EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// The integrator's greatest step, s, unless another is asked for.
+pub const DEFAULT_STEP_S: f64 = 1e-4;
+
+/// What the actuator's ends are attached to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bench {
+    /// Both links held (high impedance).
+    Locked,
+    /// Spring side held, screw side on the lever of a pendulum (moving output).
+    Pendulum(PendulumRig),
+    /// Links of given masses in kg that move freely along the axis; infinite is held.
+    Masses {
+        /// Spring side.
+        link_1_kg: f64,
+        /// Screw side.
+        link_2_kg: f64,
+    },
+}
+
+impl Bench {
+    fn links(&self) -> (Link, Link) {
+        let mass = |m: f64| if m.is_finite() { Link::Mass(m) } else { Link::Fixed };
+        match self {
+            Self::Locked => (Link::Fixed, Link::Fixed),
+            Self::Pendulum(rig) => (Link::Fixed, rig.link()),
+            Self::Masses { link_1_kg, link_2_kg } => (mass(*link_1_kg), mass(*link_2_kg)),
+        }
+    }
+
+    fn label(&self) -> &'static str {
+        match self {
+            Self::Locked => "locked",
+            Self::Pendulum(_) => "pendulum",
+            Self::Masses { .. } => "free masses",
+        }
+    }
+}
+
+/// An included effect: which one, at which sensor if narrowed down, and where its parameters begin.
+#[derive(Debug, Clone)]
+struct Included {
+    id: String,
+    effect: EffectRef,
+    channel: Option<String>,
+    first: usize,
+    count: usize,
+}
+
+/// An effect of the catalogue or a user's own.
+#[derive(Debug, Clone)]
+enum EffectRef {
+    Known(&'static dyn Effect),
+    Own(Arc<dyn Effect>),
+}
+
+impl EffectRef {
+    fn get(&self) -> &dyn Effect {
+        match self {
+            Self::Known(effect) => *effect,
+            Self::Own(effect) => effect.as_ref(),
+        }
+    }
+}
+
+/// An actuator on a bench.
+#[derive(Debug, Clone)]
+pub struct BenchModel {
+    spec: Arc<ActuatorSpec>,
+    bench: Bench,
+    step_s: f64,
+    parameters: Vec<Parameter>,
+    included: Vec<Included>,
+    own: Vec<Arc<dyn Effect>>,
+}
+
+impl BenchModel {
+    /// An actuator on a bench, with the effects that its file includes.
+    ///
+    /// # Errors
+    ///
+    /// [`ActuatorError::Value`] if the file includes an effect that is not known or a parameter that the
+    /// effect does not have.
+    pub fn new(spec: ActuatorSpec, bench: Bench) -> Result<Self, ActuatorError> {
+        Self::with_own_effects(spec, bench, Vec::new())
+    }
+
+    /// As [`BenchModel::new`], with effects of the user's own beside the catalogue's.
+    ///
+    /// # Errors
+    ///
+    /// As [`BenchModel::new`].
+    pub fn with_own_effects(
+        spec: ActuatorSpec,
+        bench: Bench,
+        own: Vec<Arc<dyn Effect>>,
+    ) -> Result<Self, ActuatorError> {
+        let parameters = spec.base_parameters();
+        let wanted = spec.effects.clone();
+        let mut model = Self {
+            spec: Arc::new(spec),
+            bench,
+            step_s: DEFAULT_STEP_S,
+            parameters,
+            included: Vec::new(),
+            own,
+        };
+        for effect in wanted {
+            let seen = Excitation { measured: OUTPUTS.map(str::to_owned).to_vec(), ..Excitation::default() };
+            let unknown = |field: String, value: &str, admitted: String| {
+                ActuatorError::value(format!("effect.{field}"), value.to_owned(), admitted)
+            };
+            let before = model.parameters.len();
+            model.include(&effect.id, &seen).map_err(|e| {
+                unknown("id".to_owned(), &effect.id, format!("an effect of the catalogue: {e}"))
+            })?;
+            for (name, given) in &effect.parameters {
+                let full = format!("{}.{name}", effect.id);
+                let Some(parameter) = model.parameters[before..].iter_mut().find(|p| p.name == full) else {
+                    return Err(unknown(full, name, "a parameter of this effect".to_owned()));
+                };
+                parameter.value = given.value;
+                parameter.prior_std = given.std.filter(|s| *s > 0.0);
+                parameter.min = parameter.min.min(given.value);
+                parameter.max = parameter.max.max(given.value);
+                parameter.typical = (0.1 * given.value.abs()).max(1e-3 * parameter.typical);
+            }
+        }
+        Ok(model)
+    }
+
+    /// The same model with another greatest step of the integrator, s.
+    #[must_use]
+    pub fn with_step(mut self, step_s: f64) -> Self {
+        self.step_s = step_s;
+        self
+    }
+
+    /// The actuator's file.
+    #[must_use]
+    pub fn spec(&self) -> &ActuatorSpec {
+        &self.spec
+    }
+
+    /// The bench.
+    #[must_use]
+    pub fn bench(&self) -> Bench {
+        self.bench
+    }
+
+    /// The setting that effects choose their guesses by.
+    fn setting(&self, seen: &Excitation) -> Setting {
+        let c = self.spec.coefficients();
+        let command_is_force = seen.ranges.iter().any(|r| r.name.starts_with("motor_force_n"))
+            || seen.ranges.iter().any(|r| r.name.starts_with("motor_torque_nm"));
+        Setting {
+            kind: match self.spec.kind {
+                Kind::Linear => ActuatorKind::Linear,
+                Kind::Rotary => ActuatorKind::Rotary,
+            },
+            stiffness: c.stiffness,
+            total_mass: c.total_mass(),
+            travel_per_rad: self.spec.ratio(),
+            force_per_command: if command_is_force { 1.0 } else { c.force_constant },
+            output_arm_m: match self.bench {
+                Bench::Pendulum(rig) => Some(rig.arm_m),
+                _ => None,
+            },
+            output_moves: self.bench.links().1 != Link::Fixed,
+            seen: seen.clone(),
+        }
+    }
+
+    /// All effects that could be added here, catalogue first, with their ids.
+    fn candidates(&self, setting: &Setting) -> Vec<(String, EffectRef)> {
+        let known = CATALOGUE.iter().map(|e| EffectRef::Known(*e));
+        let own = self.own.iter().map(|e| EffectRef::Own(e.clone()));
+        known
+            .chain(own)
+            .filter(|e| e.get().applies(setting))
+            .flat_map(|e| ids(e.get(), setting).into_iter().map(move |id| (id, e.clone())))
+            .collect()
+    }
+
+    fn include(&mut self, id: &str, seen: &Excitation) -> Result<(), ModelError> {
+        let setting = self.setting(seen);
+        let mut candidates = self.candidates(&setting);
+        let taken = self.included.iter().any(|i| i.id == id);
+        let found = candidates.iter().position(|(known, _)| known == id).filter(|_| !taken);
+        let Some(found) = found else {
+            let known: Vec<&str> = candidates.iter().map(|(known, _)| known.as_str()).collect();
+            return Err(ModelError::UnknownEffect {
+                id: id.to_owned(),
+                suggestion: nearest(id, known).filter(|s| *s != id),
+            });
+        };
+        let (id, effect) = candidates.swap_remove(found);
+        let card = effect.get().card(&setting);
+        let channel = id.split_once('@').map(|(_, channel)| channel.to_owned());
+        self.included.push(Included {
+            effect,
+            channel,
+            first: self.parameters.len(),
+            count: card.parameters.len(),
+            id: id.clone(),
+        });
+        self.parameters
+            .extend(card.parameters.into_iter().map(|p| Parameter { name: format!("{id}.{}", p.name), ..p }));
+        Ok(())
+    }
+
+    /// The plant for parameter `values` (in the order of the model's parameters) and an input channel.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::BadParameter`] for a value that no actuator can have.
+    pub fn plant(&self, values: &[f64], input: &str) -> Result<Plant, ModelError> {
+        let c = self.spec.coefficients();
+        let value = |name: &str, otherwise: f64| {
+            self.parameters.iter().position(|p| p.name == name).map_or(otherwise, |i| values[i])
+        };
+        for (name, must) in [("stiffness", true), ("reflected_inertia", true), ("damping", false)] {
+            let v = value(name, 1.0);
+            if !v.is_finite() || v < 0.0 || (must && v == 0.0) {
+                let admitted = if must { "positive and finite" } else { "zero or positive, and finite" };
+                return Err(ModelError::BadParameter { name: name.to_owned(), value: v, admitted });
+            }
+        }
+        let inertia = value("reflected_inertia", c.reflected_inertia);
+        let sprung = value("sprung_mass", c.sprung_mass);
+        // The lumped model moves the whole mass with the spring.
+        let (inertia, sprung) = match self.spec.configuration {
+            Configuration::Lumped => (0.0, inertia + sprung),
+            _ => (inertia, sprung),
+        };
+        let mut plant =
+            Plant::new(inertia, sprung, value("damping", c.damping), value("stiffness", c.stiffness));
+        plant.travel_per_rad = value("travel_per_rad", self.spec.ratio());
+        (plant.link_1, plant.link_2) = self.bench.links();
+        plant.force_per_command = if input == "current_a" {
+            value("force_constant", c.force_constant)
+        } else {
+            value("motor_gain", 1.0)
+        };
+        plant.command_offset = value("input_offset", 0.0);
+        for included in &self.included {
+            let own = &values[included.first..included.first + included.count];
+            included.effect.get().install(own, included.channel.as_deref(), &mut plant);
+        }
+        Ok(plant)
+    }
+
+    /// The motion for parameter `values` over a record's input, before the sensors.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Model::predict`].
+    pub fn simulate(&self, values: &[f64], record: &Record) -> Result<(Plant, Trace), ModelError> {
+        let input = channel::input_of(record)?;
+        let plant = self.plant(values, &input.channel)?;
+        let grid = Grid::covering(&record.time_s, self.step_s);
+        let lead = self.parameters.iter().position(|p| p.name == "command_lead").map_or(0.0, |i| values[i]);
+        let time_s: Cow<'_, [f64]> = if record.hold == InputHold::ZeroOrder && lead > 0.5 {
+            Cow::Owned(channel::held_until_stamp(&record.time_s))
+        } else {
+            Cow::Borrowed(&record.time_s)
+        };
+        let commands = mean_per_step(&time_s, &input.values, record.hold, &plant.command_stages, &grid);
+        let trace = plant.simulate(grid, &commands)?;
+        Ok((plant, trace))
+    }
+}
+
+impl Model for BenchModel {
+    fn name(&self) -> String {
+        format!("{} on the {} bench", self.spec.id, self.bench.label())
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn inputs(&self) -> &[&'static str] {
+        &INPUTS
+    }
+
+    fn predicts(&self, channel: &str) -> bool {
+        channel::predicts(channel, self.spec.kind, &self.bench)
+    }
+
+    fn included(&self) -> Vec<String> {
+        self.included.iter().map(|i| i.id.clone()).collect()
+    }
+
+    fn effects(&self, seen: &Excitation) -> Vec<EffectCard> {
+        let setting = self.setting(seen);
+        self.candidates(&setting)
+            .into_iter()
+            .filter(|(id, _)| self.included.iter().all(|i| i.id != *id))
+            .map(|(id, effect)| EffectCard { id, ..effect.get().card(&setting) })
+            .collect()
+    }
+
+    fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {
+        let mut model = self.clone();
+        model.include(id, seen)?;
+        Ok(Box::new(model))
+    }
+
+    fn predict(
+        &self,
+        values: &[f64],
+        record: &Record,
+        channels: &[String],
+    ) -> Result<Prediction, ModelError> {
+        for channel in channels {
+            if !self.predicts(channel) {
+                return Err(ModelError::UnknownChannel { channel: channel.clone() });
+            }
+        }
+        let (plant, trace) = self.simulate(values, record)?;
+        let arm_m = match self.bench {
+            Bench::Pendulum(rig) => rig.arm_m,
+            _ => 1.0,
+        };
+        let nominal_stiffness = self.spec.coefficients().stiffness;
+        Ok(channel::sense(&plant, trace, arm_m, nominal_stiffness, &record.time_s, channels))
+    }
+
+    fn clone_box(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+}

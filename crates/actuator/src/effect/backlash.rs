@@ -1,0 +1,58 @@
+//! Backlash: play in line with the spring.
+
+use super::Effect;
+use super::setting::{Quantity, Setting, with_starts};
+use crate::plant::{Plant, SpringPath};
+use sealegs_model::EffectCard;
+
+/// Play in line with the spring: a dead zone in deflection.
+#[derive(Debug)]
+pub struct Backlash;
+
+impl Effect for Backlash {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let length = setting.length();
+        let parameters = vec![with_starts(
+            setting.amount("gap", Quantity::Length, 0.02 * length, 2.0 * length),
+            [0.1 * length, 0.4 * length],
+        )];
+        EffectCard {
+            id: "backlash".to_owned(),
+            summary: "Play in line with the spring: a dead zone in deflection.".to_owned(),
+            acts_on: "spring path".to_owned(),
+            equation: "force by delta less the play: 0 within +-g/2".to_owned(),
+            validity: "Width g of the whole dead zone; play in universal joint or nut; impacts follow from the spring's stiffness.".to_owned(),
+            reference: "M. Nordin and P.-O. Gutman 2002, Automatica 38(10)".to_owned(),
+            parameters,
+            passive: true,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        plant.spring_path.push(Box::new(DeadZone { half_gap: 0.5 * values[0] }));
+    }
+}
+
+#[derive(Debug)]
+struct DeadZone {
+    half_gap: f64,
+}
+
+impl SpringPath for DeadZone {
+    fn left(&self, deflection: f64) -> f64 {
+        deflection - deflection.clamp(-self.half_gap, self.half_gap)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_dead_zone() {
+        let law = DeadZone { half_gap: 1e-5 };
+        assert_eq!(law.left(0.9e-5), 0.0);
+        assert!((law.left(3e-5) - 2e-5).abs() < 1e-18);
+        assert!((law.left(-3e-5) + 2e-5).abs() < 1e-18);
+    }
+}

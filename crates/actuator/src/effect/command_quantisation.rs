@@ -1,0 +1,75 @@
+//! Command quantisation: the drive takes the command in whole counts.
+
+use super::Effect;
+use super::setting::{Setting, magnitude, with_neutral, with_starts};
+use crate::plant::{CommandStage, Plant};
+use sealegs_model::{EffectCard, Parameter};
+
+/// The drive takes the command in whole counts.
+#[derive(Debug)]
+pub struct CommandQuantisation;
+
+impl Effect for CommandQuantisation {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let peak = setting.command();
+        let unit = if setting.force_per_command == 1.0 { ("count", "") } else { ("count_a", "A") };
+        // The error left by a count is rugged in it: many starts, spaced by what a count distinguishes.
+        let starts = (1..=72).map(|i| peak * 0.5 * 10.0_f64.powf(-f64::from(i) / 24.0));
+        let parameters = vec![
+            with_neutral(with_starts(magnitude(unit.0, unit.1, 0.5 * peak, 1e-5 * peak, peak), starts), 0.0),
+            with_starts(Parameter { typical: 0.3, ..Parameter::new("rounding", "", 0.0, 0.0, 1.0) }, [1.0]),
+        ];
+        EffectCard {
+            id: "command-quantisation".to_owned(),
+            summary: "The drive takes the command in whole counts.".to_owned(),
+            acts_on: "drive".to_owned(),
+            equation:
+                "count floor(abs(u)/count + rounding/2) sign(u): rounding 0 truncates toward zero, 1 rounds"
+                    .to_owned(),
+            validity: "Felt at small commands; the count is in the command's unit.".to_owned(),
+            reference: "Quantisation of digital-to-analogue conversion".to_owned(),
+            parameters,
+            passive: false,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        plant.command_stages.push(Box::new(Counts { count: values[0], rounding: values[1] }));
+    }
+}
+
+#[derive(Debug)]
+struct Counts {
+    count: f64,
+    rounding: f64,
+}
+
+impl CommandStage for Counts {
+    fn apply(&self, _time_s: &mut [f64], values: &mut [f64]) {
+        if self.count <= 0.0 {
+            return;
+        }
+        for v in values {
+            // A command that is a whole number of counts stays one, whatever its last digit's rounding.
+            let counts = (v.abs() / self.count + 0.5 * self.rounding + 1e-9).floor();
+            *v = v.signum() * self.count * counts;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn truncates_or_rounds() {
+        let mut values = [0.27, -0.27, 0.04];
+        Counts { count: 0.1, rounding: 0.0 }.apply(&mut [0.0; 3], &mut values);
+        for (got, truth) in values.iter().zip([0.2, -0.2, 0.0]) {
+            assert!((got - truth).abs() < 1e-12);
+        }
+        let mut values = [0.27, -0.27];
+        Counts { count: 0.1, rounding: 1.0 }.apply(&mut [0.0; 2], &mut values);
+        assert!((values[0] - 0.3).abs() < 1e-12 && (values[1] + 0.3).abs() < 1e-12);
+    }
+}

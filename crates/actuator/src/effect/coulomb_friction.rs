@@ -1,0 +1,57 @@
+//! Coulomb friction: dry friction of the rotor that does not depend on speed.
+
+use super::Effect;
+use super::setting::{Quantity, Setting, with_starts};
+use crate::plant::{DryFriction, Plant};
+use sealegs_model::EffectCard;
+
+/// Dry friction of motor and transmission, independent of speed.
+#[derive(Debug)]
+pub struct CoulombFriction;
+
+impl Effect for CoulombFriction {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let force = setting.force();
+        let parameters = vec![with_starts(
+            setting.amount("force", Quantity::Force, 0.03 * force, 2.0 * force),
+            [0.15 * force, 0.4 * force],
+        )];
+        EffectCard {
+            id: "coulomb-friction".to_owned(),
+            summary: "Dry friction of motor and transmission, independent of speed.".to_owned(),
+            acts_on: "rotor".to_owned(),
+            equation: "F_c sign(y'); at rest it balances the applied force up to F_c".to_owned(),
+            validity: "Opposes the screw's motion; holds without creep.".to_owned(),
+            reference: "C. A. Coulomb 1785; Armstrong-Helouvry et al. 1994, Automatica 30(7)".to_owned(),
+            parameters,
+            passive: true,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        plant.rotor_friction.push(Box::new(Coulomb { force: values[0] }));
+    }
+}
+
+#[derive(Debug)]
+struct Coulomb {
+    force: f64,
+}
+
+impl DryFriction for Coulomb {
+    fn bound(&self, _speed: f64, _direction: f64, _load: f64) -> f64 {
+        self.force
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bound_is_the_same_at_any_speed() {
+        let law = Coulomb { force: 30.0 };
+        assert_eq!(law.bound(0.0, 1.0, 500.0), 30.0);
+        assert_eq!(law.bound(-0.2, -1.0, 0.0), 30.0);
+    }
+}

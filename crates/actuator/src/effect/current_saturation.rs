@@ -1,0 +1,61 @@
+//! Current saturation: the drive clips the commanded current.
+
+use super::Effect;
+use super::setting::{Setting, magnitude, with_neutral, with_starts};
+use crate::plant::{CommandStage, Plant};
+use sealegs_model::EffectCard;
+
+/// The drive delivers no more than a limit current.
+#[derive(Debug)]
+pub struct CurrentSaturation;
+
+impl Effect for CurrentSaturation {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let peak = setting.command();
+        let unit = if setting.force_per_command == 1.0 { ("limit", "") } else { ("limit_a", "A") };
+        let parameters = vec![with_neutral(
+            with_starts(
+                magnitude(unit.0, unit.1, 0.8 * peak, 0.02 * peak, 1.5 * peak),
+                [0.6 * peak, 0.4 * peak],
+            ),
+            f64::INFINITY,
+        )];
+        EffectCard {
+            id: "current-saturation".to_owned(),
+            summary: "The drive delivers no more than a limit current.".to_owned(),
+            acts_on: "drive".to_owned(),
+            equation: "I clipped to +-I_max".to_owned(),
+            validity: "Felt only where the command passes the limit.".to_owned(),
+            reference: "Dissertation section 4-6-1".to_owned(),
+            parameters,
+            passive: true,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        plant.command_stages.push(Box::new(Saturation { limit: values[0] }));
+    }
+}
+
+#[derive(Debug)]
+struct Saturation {
+    limit: f64,
+}
+
+impl CommandStage for Saturation {
+    fn apply(&self, _time_s: &mut [f64], values: &mut [f64]) {
+        values.iter_mut().for_each(|v| *v = v.clamp(-self.limit, self.limit));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clips_both_ways() {
+        let mut values = [3.0, -5.0, 1.0];
+        Saturation { limit: 2.0 }.apply(&mut [0.0, 1.0, 2.0], &mut values);
+        assert_eq!(values, [2.0, -2.0, 1.0]);
+    }
+}

@@ -1,0 +1,61 @@
+//! Direction-dependent friction: dry friction that is greater one way than the other.
+
+use super::Effect;
+use super::setting::{Quantity, Setting, with_starts};
+use crate::plant::{DryFriction, Plant};
+use sealegs_model::{EffectCard, Parameter};
+
+/// Dry friction that differs between lengthening and shortening.
+#[derive(Debug)]
+pub struct DirectionDependentFriction;
+
+impl Effect for DirectionDependentFriction {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let force = setting.force();
+        let parameters = vec![
+            with_starts(setting.amount("force", Quantity::Force, 0.03 * force, 2.0 * force), [0.15 * force]),
+            with_starts(
+                Parameter { typical: 0.2, ..Parameter::new("asymmetry", "", 0.2, -1.0, 1.0) },
+                [-0.4, 0.6],
+            ),
+        ];
+        EffectCard {
+            id: "direction-dependent-friction".to_owned(),
+            summary: "Dry friction that differs between lengthening and shortening.".to_owned(),
+            acts_on: "rotor".to_owned(),
+            equation: "F_c (1 + a) while lengthening, F_c (1 - a) while shortening".to_owned(),
+            validity: "Opposes the screw's motion; a lies between -1 and 1.".to_owned(),
+            reference: "Armstrong-Helouvry et al. 1994, Automatica 30(7), section 2".to_owned(),
+            parameters,
+            passive: true,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        plant.rotor_friction.push(Box::new(DirectionDependent { force: values[0], asymmetry: values[1] }));
+    }
+}
+
+#[derive(Debug)]
+struct DirectionDependent {
+    force: f64,
+    asymmetry: f64,
+}
+
+impl DryFriction for DirectionDependent {
+    fn bound(&self, _speed: f64, direction: f64, _load: f64) -> f64 {
+        self.force * (1.0 + self.asymmetry * direction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_plus_while_lengthening() {
+        let law = DirectionDependent { force: 10.0, asymmetry: 0.3 };
+        assert_eq!(law.bound(0.1, 1.0, 0.0), 13.0);
+        assert_eq!(law.bound(0.0, -1.0, 0.0), 7.0);
+    }
+}

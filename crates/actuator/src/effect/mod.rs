@@ -1,0 +1,118 @@
+//! The catalogue of physical effects: one file each, and the registry that lists them.
+//!
+//! A new effect is one file here, its `mod` line, and one entry in [`CATALOGUE`]. The tests over the whole
+//! registry then apply to it: unique id, units, neutral values that change nothing, passivity, recovery.
+
+mod backlash;
+mod command_quantisation;
+mod coulomb_friction;
+mod current_saturation;
+mod direction_dependent_friction;
+mod hardening_spring;
+mod load_dependent_friction;
+mod output_friction;
+mod presliding_friction;
+mod quadratic_drag;
+mod sensor_delay;
+mod sensor_lag;
+mod series_compliance;
+mod setting;
+mod spring_damping;
+mod spring_hysteresis;
+mod stribeck_friction;
+mod structural_mode;
+mod torque_ripple;
+mod transport_delay;
+mod voltage_saturation;
+mod wobbling_mass;
+
+pub use setting::{ActuatorKind, Quantity, Setting};
+
+use crate::plant::Plant;
+use sealegs_model::EffectCard;
+use std::fmt::Debug;
+
+/// Where an effect's id may be narrowed down.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scope {
+    /// It acts at one place.
+    One,
+    /// On all sensors, or on one: `id@channel`.
+    Sensors,
+    /// On all force and torque sensors, or on one: `id@channel`.
+    ForceSensors,
+}
+
+/// A physical effect that an actuator can have.
+pub trait Effect: Debug + Send + Sync {
+    /// Id, law, parameters with guesses that suit the setting.
+    fn card(&self, setting: &Setting) -> EffectCard;
+
+    /// Puts the effect with these parameter values (in the card's order) into a plant. `channel` is the
+    /// sensor's channel where the id is narrowed down.
+    fn install(&self, values: &[f64], channel: Option<&str>, plant: &mut Plant);
+
+    /// Where the id may be narrowed down.
+    fn scope(&self) -> Scope {
+        Scope::One
+    }
+
+    /// Whether it makes sense in this setting at all (a pendulum's friction needs a pendulum).
+    fn applies(&self, _setting: &Setting) -> bool {
+        true
+    }
+}
+
+/// Every effect that the product knows, in the order of the printed catalogue.
+pub static CATALOGUE: &[&dyn Effect] = &[
+    &coulomb_friction::CoulombFriction,
+    &presliding_friction::PreslidingFriction,
+    &stribeck_friction::StribeckFriction,
+    &load_dependent_friction::LoadDependentFriction,
+    &direction_dependent_friction::DirectionDependentFriction,
+    &quadratic_drag::QuadraticDrag,
+    &torque_ripple::TorqueRipple,
+    &current_saturation::CurrentSaturation,
+    &voltage_saturation::VoltageSaturation,
+    &transport_delay::TransportDelay,
+    &command_quantisation::CommandQuantisation,
+    &hardening_spring::HardeningSpring,
+    &spring_damping::SpringDamping,
+    &spring_hysteresis::SpringHysteresis,
+    &backlash::Backlash,
+    &series_compliance::SeriesComplianceEffect,
+    &structural_mode::StructuralMode,
+    &sensor_lag::SensorLag,
+    &sensor_delay::SensorDelay,
+    &output_friction::OutputFriction,
+    &wobbling_mass::WobblingMassEffect,
+];
+
+/// Whether a channel is a force or a torque by its unit.
+fn is_force(channel: &str) -> bool {
+    channel.ends_with("_n") || channel.ends_with("_nm")
+}
+
+/// The ids under which an effect can be added where these channels are measured: its own, then one for
+/// each sensor that it can be narrowed down to.
+#[must_use]
+pub fn ids(effect: &dyn Effect, setting: &Setting) -> Vec<String> {
+    let id = effect.card(setting).id;
+    let narrowed = |wanted: fn(&str) -> bool| {
+        let channels: Vec<&String> = setting.measured().iter().filter(|c| wanted(c)).collect();
+        let mut ids = Vec::new();
+        if !channels.is_empty() {
+            ids.push(id.clone());
+        }
+        // With a single sensor the narrowed id would say the same thing twice.
+        if channels.len() > 1 {
+            ids.extend(channels.iter().map(|c| format!("{id}@{c}")));
+        }
+        ids
+    };
+    match effect.scope() {
+        Scope::One => vec![id],
+        Scope::Sensors => narrowed(|_| true),
+        Scope::ForceSensors => narrowed(is_force),
+    }
+}

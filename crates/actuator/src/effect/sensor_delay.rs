@@ -1,0 +1,77 @@
+//! Sensor delay: samples that carry a later time than their value.
+
+use super::setting::{Setting, with_starts};
+use super::{Effect, Scope};
+use crate::plant::{Plant, SensorStage};
+use sealegs_model::{EffectCard, Parameter};
+
+/// Samples that are stamped late.
+#[derive(Debug)]
+pub struct SensorDelay;
+
+impl Effect for SensorDelay {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let period = setting.seen.sample_period_s.max(1e-4);
+        let parameters = vec![with_starts(
+            Parameter {
+                neutral: Some(0.0),
+                typical: period,
+                ..Parameter::new("delay_s", "s", 1.5 * period, 0.0, 100.0 * period)
+            },
+            [5.0 * period, 15.0 * period],
+        )];
+        EffectCard {
+            id: "sensor-delay".to_owned(),
+            summary: "Samples that are stamped late.".to_owned(),
+            acts_on: "sensor".to_owned(),
+            equation: "x(t - tau)".to_owned(),
+            validity: "On all sensors, or on the one that is named; a delay of all of them cannot be told from one of the drive.".to_owned(),
+            reference: "Any bus or logger; dissertation section 2-4-3".to_owned(),
+            parameters,
+            passive: true,
+        }
+    }
+
+    fn install(&self, values: &[f64], channel: Option<&str>, plant: &mut Plant) {
+        plant.sensor_stages.push(Box::new(Late { channel: channel.map(str::to_owned), delay_s: values[0] }));
+    }
+
+    fn scope(&self) -> Scope {
+        Scope::Sensors
+    }
+}
+
+#[derive(Debug)]
+struct Late {
+    channel: Option<String>,
+    delay_s: f64,
+}
+
+impl SensorStage for Late {
+    fn concerns(&self, channel: &str) -> bool {
+        self.channel.as_ref().is_none_or(|c| c == channel)
+    }
+
+    fn apply(&self, values: &mut [f64], h: f64) {
+        let shift = self.delay_s / h;
+        let whole = shift.floor() as usize;
+        let part = shift - shift.floor();
+        for n in (0..values.len()).rev() {
+            let at = |back: usize| values[n.saturating_sub(back)];
+            values[n] = (1.0 - part) * at(whole) + part * at(whole + 1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_line_is_shifted() {
+        let mut values: Vec<f64> = (0..20).map(f64::from).collect();
+        Late { channel: None, delay_s: 2.5 }.apply(&mut values, 1.0);
+        assert_eq!(values[10], 7.5);
+        assert_eq!(values[1], 0.0);
+    }
+}

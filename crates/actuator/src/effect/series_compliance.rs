@@ -1,0 +1,56 @@
+//! Series compliance: a spring between screw and link 2 that carries the unsprung mass.
+
+use super::Effect;
+use super::setting::{Quantity, Setting, with_neutral, with_starts};
+use crate::plant::{Plant, SeriesCompliance};
+use sealegs_model::EffectCard;
+
+/// Compliance of universal joints and clamp between screw and link 2.
+#[derive(Debug)]
+pub struct SeriesComplianceEffect;
+
+impl Effect for SeriesComplianceEffect {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let k = setting.stiffness;
+        let parameters = vec![with_neutral(
+            with_starts(
+                setting.magnitude("stiffness", Quantity::Stiffness, 6.0 * k, 0.2 * k, 1e4 * k),
+                [2.0 * k, 20.0 * k],
+            ),
+            f64::INFINITY,
+        )];
+        EffectCard {
+            id: "series-compliance".to_owned(),
+            summary: "Compliance of universal joints and clamp between screw and link 2.".to_owned(),
+            acts_on: "screw side".to_owned(),
+            equation: "F_2 = k_j (x_s - x_2), x_s the screw's end, which carries the unsprung mass".to_owned(),
+            validity: "Indistinguishable from a softer spring where only forces and the rotor are measured on a locked bench.".to_owned(),
+            reference: "Dissertation sections 2-5-1 and 5-2; 2771 kN/m follows from equations 2-9 and 2-10".to_owned(),
+            parameters,
+            passive: true,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        if values[0].is_finite() {
+            let mass = UNSPRUNG_SHARE * (plant.reflected_inertia + plant.sprung_mass);
+            plant.series = Some(SeriesCompliance { stiffness: values[0], mass });
+        }
+    }
+}
+
+/// The unsprung mass as a share of the moving mass: nut and tube of the THOR actuator, 0.15 kg of 294.9 kg
+/// (the dissertation's own estimate, section 4-5-1).
+const UNSPRUNG_SHARE: f64 = 0.15 / 294.9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neutral_is_no_compliance() {
+        let mut plant = Plant::new(294.0, 0.6, 0.0, 6e5);
+        SeriesComplianceEffect.install(&[f64::INFINITY], None, &mut plant);
+        assert_eq!(plant.series, None);
+    }
+}

@@ -1,0 +1,161 @@
+//! What an effect is asked to fit into: the kind of actuator, the bench and how hard it was driven.
+
+use sealegs_model::{Excitation, Parameter, Scale, internal};
+
+/// Linear (N, m) or rotary (N m, rad at the output).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ActuatorKind {
+    /// Forces in N, lengths in m.
+    Linear,
+    /// Torques in N m, angles in rad, at the output.
+    Rotary,
+}
+
+/// A kind of quantity whose unit depends on whether the actuator is linear or rotary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Force or torque.
+    Force,
+    /// Position or angle.
+    Length,
+    /// Speed.
+    Speed,
+    /// Force per length.
+    Stiffness,
+    /// Force per cubed length.
+    CubicStiffness,
+    /// Force per speed.
+    Damping,
+    /// Force per squared speed.
+    QuadraticDrag,
+}
+
+impl Quantity {
+    /// Suffix of a parameter's name, and the unit as printed.
+    fn unit(self, kind: ActuatorKind) -> (&'static str, &'static str) {
+        use ActuatorKind::{Linear, Rotary};
+        match (self, kind) {
+            (Self::Force, Linear) => ("_n", "N"),
+            (Self::Force, Rotary) => ("_nm", "N m"),
+            (Self::Length, Linear) => ("_m", "m"),
+            (Self::Length, Rotary) => ("_rad", "rad"),
+            (Self::Speed, Linear) => ("_m_s", "m/s"),
+            (Self::Speed, Rotary) => ("_rad_s", "rad/s"),
+            (Self::Stiffness, Linear) => ("_n_m", "N/m"),
+            (Self::Stiffness, Rotary) => ("_nm_rad", "N m/rad"),
+            (Self::CubicStiffness, Linear) => ("_n_m3", "N/m^3"),
+            (Self::CubicStiffness, Rotary) => ("_nm_rad3", "N m/rad^3"),
+            (Self::Damping, Linear) => ("_n_s_m", "N s/m"),
+            (Self::Damping, Rotary) => ("_nm_s_rad", "N m s/rad"),
+            (Self::QuadraticDrag, Linear) => ("_n_s2_m2", "N s^2/m^2"),
+            (Self::QuadraticDrag, Rotary) => ("_nm_s2_rad2", "N m s^2/rad^2"),
+        }
+    }
+}
+
+/// The actuator, the bench and the excitation that an effect is to suit.
+#[derive(Debug, Clone)]
+pub struct Setting {
+    /// Linear or rotary.
+    pub kind: ActuatorKind,
+    /// Nominal stiffness, N/m.
+    pub stiffness: f64,
+    /// Nominal total moving mass `m_T`, kg.
+    pub total_mass: f64,
+    /// Screw travel per rotor angle, m/rad.
+    pub travel_per_rad: f64,
+    /// Motor force per unit of command, N/A for a current, 1 for a force.
+    pub force_per_command: f64,
+    /// Arm of the output lever, m, where there is a pendulum.
+    pub output_arm_m: Option<f64>,
+    /// Whether link 2 moves.
+    pub output_moves: bool,
+    /// The runs at hand.
+    pub seen: Excitation,
+}
+
+impl Setting {
+    /// The measured output channels.
+    #[must_use]
+    pub fn measured(&self) -> &[String] {
+        &self.seen.measured
+    }
+
+    /// Greatest motor force seen, N.
+    #[must_use]
+    pub fn force(&self) -> f64 {
+        self.seen.peak_or(internal::MOTOR_FORCE, 1.0)
+    }
+
+    /// Greatest screw speed seen, m/s.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        self.seen.peak_or(internal::SCREW_SPEED, self.length() * (self.stiffness / self.total_mass).sqrt())
+    }
+
+    /// Greatest spring deflection seen, m.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.seen.peak_or(internal::SPRING_DEFLECTION, self.force() / self.stiffness)
+    }
+
+    /// Greatest command seen, in its own unit.
+    #[must_use]
+    pub fn command(&self) -> f64 {
+        self.force() / self.force_per_command
+    }
+
+    /// Natural frequency of the locked actuator, Hz.
+    #[must_use]
+    pub fn natural_hz(&self) -> f64 {
+        (self.stiffness / self.total_mass).sqrt() / std::f64::consts::TAU
+    }
+
+    /// Half the sampling frequency, Hz.
+    #[must_use]
+    pub fn nyquist_hz(&self) -> f64 {
+        if self.seen.sample_period_s > 0.0 { 0.5 / self.seen.sample_period_s } else { 500.0 }
+    }
+
+    /// A parameter `<symbol><unit suffix>` that vanishes at 0: bounds 0 to `max`, first guess `guess`.
+    #[must_use]
+    pub fn amount(&self, symbol: &str, quantity: Quantity, guess: f64, max: f64) -> Parameter {
+        let (suffix, unit) = quantity.unit(self.kind);
+        Parameter {
+            neutral: Some(0.0),
+            typical: guess,
+            ..Parameter::new(format!("{symbol}{suffix}"), unit, guess, 0.0, max)
+        }
+    }
+
+    /// A positive parameter whose order of magnitude is unknown: searched in ratios.
+    #[must_use]
+    pub fn magnitude(&self, symbol: &str, quantity: Quantity, guess: f64, min: f64, max: f64) -> Parameter {
+        let (suffix, unit) = quantity.unit(self.kind);
+        magnitude(&format!("{symbol}{suffix}"), unit, guess, min, max)
+    }
+}
+
+/// A positive parameter in a unit that does not depend on the kind of actuator, searched in ratios.
+#[must_use]
+pub fn magnitude(name: &str, unit: &str, guess: f64, min: f64, max: f64) -> Parameter {
+    Parameter {
+        scale: Scale::Logarithmic,
+        typical: 0.3 * guess,
+        ..Parameter::new(name, unit, guess, min, max)
+    }
+}
+
+/// A parameter with further values worth starting from.
+#[must_use]
+pub fn with_starts(mut parameter: Parameter, starts: impl IntoIterator<Item = f64>) -> Parameter {
+    parameter.starts = starts.into_iter().filter(|s| (parameter.min..=parameter.max).contains(s)).collect();
+    parameter
+}
+
+/// A parameter with the value at which its effect vanishes.
+#[must_use]
+pub fn with_neutral(mut parameter: Parameter, neutral: f64) -> Parameter {
+    parameter.neutral = Some(neutral);
+    parameter
+}

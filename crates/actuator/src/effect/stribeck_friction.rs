@@ -1,0 +1,81 @@
+//! Stribeck friction: dry friction that falls from a static to a Coulomb level with speed.
+
+use super::Effect;
+use super::setting::{Quantity, Setting, with_starts};
+use crate::plant::{DryFriction, Plant};
+use sealegs_model::EffectCard;
+
+/// Dry friction that falls from a static to a Coulomb level as speed rises.
+#[derive(Debug)]
+pub struct StribeckFriction;
+
+impl Effect for StribeckFriction {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let (force, speed) = (setting.force(), setting.speed());
+        let parameters = vec![
+            with_starts(
+                setting.amount("coulomb", Quantity::Force, 0.03 * force, 2.0 * force),
+                [0.15 * force],
+            ),
+            with_starts(setting.amount("static", Quantity::Force, 0.06 * force, 3.0 * force), [0.3 * force]),
+            with_starts(
+                setting.magnitude(
+                    "stribeck_velocity",
+                    Quantity::Speed,
+                    0.05 * speed,
+                    1e-3 * speed,
+                    1.0 * speed,
+                ),
+                [0.3 * speed, 0.01 * speed],
+            ),
+        ];
+        EffectCard {
+            id: "stribeck-friction".to_owned(),
+            summary: "Dry friction that falls from a static to a Coulomb level as speed rises.".to_owned(),
+            acts_on: "rotor".to_owned(),
+            equation: "(F_c + (F_s - F_c) exp(-(y'/v_s)^2)) sign(y')".to_owned(),
+            validity:
+                "Opposes the screw's motion; needs reversals or standstill to be told from Coulomb friction."
+                    .to_owned(),
+            reference: "R. Stribeck 1902; Armstrong-Helouvry et al. 1994, Automatica 30(7)".to_owned(),
+            parameters,
+            passive: true,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        plant.rotor_friction.push(Box::new(Stribeck {
+            coulomb: values[0],
+            above: values[1] - values[0],
+            inverse_velocity: 1.0 / values[2],
+        }));
+    }
+}
+
+#[derive(Debug)]
+struct Stribeck {
+    coulomb: f64,
+    above: f64,
+    inverse_velocity: f64,
+}
+
+impl DryFriction for Stribeck {
+    fn bound(&self, speed: f64, _direction: f64, _load: f64) -> f64 {
+        let ratio = speed * self.inverse_velocity;
+        // Not below zero, whatever a search tries for the static level.
+        (self.coulomb + self.above * (-ratio * ratio).exp()).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_static_at_rest_and_coulomb_at_speed() {
+        let law = Stribeck { coulomb: 20.0, above: 25.0, inverse_velocity: 250.0 };
+        assert_eq!(law.bound(0.0, 1.0, 0.0), 45.0);
+        assert!((law.bound(0.004, 1.0, 0.0) - 20.0 - 25.0 / std::f64::consts::E).abs() < 1e-12);
+        assert!((law.bound(-0.1, -1.0, 0.0) - 20.0).abs() < 1e-12);
+    }
+}

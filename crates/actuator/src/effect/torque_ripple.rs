@@ -1,0 +1,75 @@
+//! Torque ripple: a motor force that repeats with the rotor angle (cogging).
+
+use super::Effect;
+use super::setting::{Quantity, Setting, with_starts};
+use crate::plant::{Plant, RotorForce};
+use sealegs_model::{EffectCard, Parameter};
+
+/// Cogging of the motor: a force that repeats with the rotor angle.
+#[derive(Debug)]
+pub struct TorqueRipple;
+
+impl Effect for TorqueRipple {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let force = setting.force();
+        let parameters = vec![
+            setting.amount("amplitude", Quantity::Force, 0.05 * force, force),
+            with_starts(
+                Parameter { typical: 0.02, ..Parameter::new("cycles_per_rev", "", 7.0, 0.5, 100.0) },
+                (1..=48).map(f64::from),
+            ),
+            with_starts(
+                Parameter { typical: 0.3, ..Parameter::new("phase_rad", "rad", 0.0, -TURN, TURN) },
+                [0.5 * std::f64::consts::PI],
+            ),
+        ];
+        EffectCard {
+            id: "torque-ripple".to_owned(),
+            summary: "Cogging of the motor: a force that repeats with the rotor angle.".to_owned(),
+            acts_on: "rotor".to_owned(),
+            equation: "F_m + A sin(N theta + phase)".to_owned(),
+            validity: "Positive lengthens the screw; N whole cycles per turn of the rotor.".to_owned(),
+            reference: "D. Hanselman, Brushless Permanent-Magnet Motor Design, chapter on cogging".to_owned(),
+            parameters,
+            passive: false,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        plant.rotor_forces.push(Box::new(Ripple {
+            amplitude: values[0],
+            per_extension: values[1] / plant.travel_per_rad,
+            phase: values[2],
+        }));
+    }
+}
+
+/// Twice the range that a phase needs, so that a search does not end at a bound on its way around.
+const TURN: f64 = std::f64::consts::TAU;
+
+#[derive(Debug)]
+struct Ripple {
+    amplitude: f64,
+    per_extension: f64,
+    phase: f64,
+}
+
+impl RotorForce for Ripple {
+    fn force(&self, y: f64, _y_dot: f64, _load: f64, _t: f64) -> f64 {
+        self.amplitude * (self.per_extension * y + self.phase).sin()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_repeats_with_the_rotor() {
+        let law = Ripple { amplitude: 5.0, per_extension: 7.0 / 1e-4, phase: 0.4 };
+        let turn = std::f64::consts::TAU * 1e-4;
+        let f = |y: f64| law.force(y, 0.0, 0.0, 0.0);
+        assert!((f(0.3e-3) - f(0.3e-3 + turn / 7.0)).abs() < 1e-9);
+        assert!((f(0.0) - 5.0 * 0.4_f64.sin()).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,61 @@
+//! Transport delay: the command acts later than it was given.
+
+use super::Effect;
+use super::setting::{Setting, with_starts};
+use crate::plant::{CommandStage, Plant};
+use sealegs_model::{EffectCard, Parameter};
+
+/// The command acts later than it was given.
+#[derive(Debug)]
+pub struct TransportDelay;
+
+impl Effect for TransportDelay {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        let period = setting.seen.sample_period_s.max(1e-4);
+        let parameters = vec![with_starts(
+            Parameter {
+                neutral: Some(0.0),
+                typical: period,
+                ..Parameter::new("delay_s", "s", 1.5 * period, 0.0, 100.0 * period)
+            },
+            [5.0 * period, 15.0 * period],
+        )];
+        EffectCard {
+            id: "transport-delay".to_owned(),
+            summary: "The command acts later than it was given.".to_owned(),
+            acts_on: "drive".to_owned(),
+            equation: "I(t - tau)".to_owned(),
+            validity: "Communication, control loops and computation; cannot be told from an equal delay of every sensor.".to_owned(),
+            reference: "Dissertation section 2-4-3".to_owned(),
+            parameters,
+            passive: true,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        plant.command_stages.push(Box::new(Delay { delay_s: values[0] }));
+    }
+}
+
+#[derive(Debug)]
+struct Delay {
+    delay_s: f64,
+}
+
+impl CommandStage for Delay {
+    fn apply(&self, time_s: &mut [f64], _values: &mut [f64]) {
+        time_s.iter_mut().for_each(|t| *t += self.delay_s);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shifts_the_time_stamps() {
+        let mut time = [0.0, 1.0];
+        Delay { delay_s: 0.25 }.apply(&mut time, &mut [1.0, 2.0]);
+        assert_eq!(time, [0.25, 1.25]);
+    }
+}

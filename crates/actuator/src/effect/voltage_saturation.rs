@@ -1,0 +1,85 @@
+//! Voltage saturation: the bus voltage less the back-EMF limits the motor current.
+
+use super::Effect;
+use super::setting::{Setting, magnitude, with_neutral, with_starts};
+use crate::plant::{DriveLimit, Plant};
+use sealegs_model::EffectCard;
+
+/// The bus voltage minus the back-EMF limits the current.
+#[derive(Debug)]
+pub struct VoltageSaturation;
+
+impl Effect for VoltageSaturation {
+    fn card(&self, setting: &Setting) -> EffectCard {
+        // K_tau / r is the force per current, so that K_tau theta' = (K_tau / r) y'.
+        let back_emf = setting.force_per_command * setting.speed();
+        let peak = setting.command();
+        let bus = 48.0_f64.max(back_emf);
+        let resistance = bus / (1.5 * peak);
+        let parameters = vec![
+            with_neutral(
+                with_starts(magnitude("bus_v", "V", bus, 0.05 * bus, 20.0 * bus), [0.5 * bus, 0.25 * bus]),
+                f64::INFINITY,
+            ),
+            with_starts(
+                magnitude("resistance_ohm", "ohm", resistance, 0.02 * resistance, 50.0 * resistance),
+                [0.3 * resistance, 3.0 * resistance],
+            ),
+        ];
+        EffectCard {
+            id: "voltage-saturation".to_owned(),
+            summary: "The bus voltage minus the back-EMF limits the current.".to_owned(),
+            acts_on: "drive".to_owned(),
+            equation: "I clipped to (+-V_bus - K_tau theta') / R".to_owned(),
+            validity: "Felt at high speed and current; the winding's inductance is left out.".to_owned(),
+            reference: "D. Hanselman, Brushless Permanent-Magnet Motor Design; dissertation section 4-7"
+                .to_owned(),
+            parameters,
+            passive: true,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        plant.drive_limits.push(Box::new(Voltage {
+            bus: values[0],
+            resistance: values[1],
+            force_per_current: plant.force_per_command,
+        }));
+    }
+
+    /// The back-EMF of a drive that takes a force or torque command cannot be told in volts.
+    fn applies(&self, setting: &Setting) -> bool {
+        setting.force_per_command != 1.0
+    }
+}
+
+#[derive(Debug)]
+struct Voltage {
+    bus: f64,
+    resistance: f64,
+    force_per_current: f64,
+}
+
+impl DriveLimit for Voltage {
+    fn limit(&self, commanded: f64, y_dot: f64) -> f64 {
+        if !self.bus.is_finite() {
+            return commanded;
+        }
+        let back_emf = self.force_per_current * y_dot;
+        let current = |volts: f64| self.force_per_current * (volts - back_emf) / self.resistance;
+        commanded.clamp(current(-self.bus), current(self.bus))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_back_emf_leaves_less_one_way() {
+        let law = Voltage { bus: 48.0, resistance: 2.0, force_per_current: 240.0 };
+        // 0.1 m/s is 24 V of back-EMF: between -36 A and 12 A are left.
+        assert_eq!(law.limit(20.0 * 240.0, 0.1), 12.0 * 240.0);
+        assert_eq!(law.limit(-20.0 * 240.0, 0.1), -20.0 * 240.0);
+    }
+}

@@ -1,0 +1,214 @@
+//! The command between its samples: the mean motor effort over every step of the integrator's grid.
+
+use super::ports::CommandStage;
+use sealegs_model::InputHold;
+
+/// A uniform grid of integration steps that covers a record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Time of the first point, s.
+    pub start_s: f64,
+    /// Step, s.
+    pub step_s: f64,
+    /// Number of steps; there is one point more.
+    pub steps: usize,
+}
+
+impl Grid {
+    /// The grid from the first to beyond the last time stamp with a step of at most `max_step_s`.
+    ///
+    /// Where the time stamps are uniform the step divides their distance, so that every sample falls on
+    /// a point of the grid.
+    #[must_use]
+    pub fn covering(time_s: &[f64], max_step_s: f64) -> Self {
+        let start_s = time_s[0];
+        let span = time_s[time_s.len() - 1] - start_s;
+        let mean_period = span / (time_s.len() - 1) as f64;
+        let uniform = time_s
+            .iter()
+            .enumerate()
+            .all(|(i, t)| (t - start_s - i as f64 * mean_period).abs() < 0.01 * mean_period);
+        let step_s = if uniform {
+            mean_period / (mean_period / max_step_s - 1e-9).ceil().max(1.0)
+        } else {
+            max_step_s
+        };
+        let steps = (span / step_s - 1e-6).ceil().max(1.0) as usize;
+        Self { start_s, step_s, steps }
+    }
+
+    /// Time of a point, s.
+    #[must_use]
+    pub fn time(&self, point: usize) -> f64 {
+        self.start_s + point as f64 * self.step_s
+    }
+}
+
+/// The mean of the command over every step of `grid`, after the drive's `stages`, in the command's unit.
+///
+/// Before its first sample the command has the value of that sample.
+#[must_use]
+pub fn mean_per_step(
+    time_s: &[f64],
+    values: &[f64],
+    hold: InputHold,
+    stages: &[Box<dyn CommandStage>],
+    grid: &Grid,
+) -> Vec<f64> {
+    let mut time_s = time_s.to_vec();
+    let mut values = values.to_vec();
+    for stage in stages {
+        stage.apply(&mut time_s, &mut values);
+    }
+    match hold {
+        InputHold::ZeroOrder => hold_zero_order(&time_s, &values, grid),
+        InputHold::Linear => hold_linear(&time_s, &values, grid),
+        InputHold::BandLimited => hold_band_limited(&time_s, &values, grid),
+    }
+}
+
+fn hold_zero_order(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
+    let h = grid.step_s;
+    // A time stamp this close to a grid point is on it: what is left is rounding of decimal time stamps.
+    let snap = 1e-7 * h.max(1e-6);
+    let mut current = 0;
+    (0..grid.steps)
+        .map(|n| {
+            let (from, to) = (grid.time(n), grid.time(n + 1));
+            while current + 1 < time_s.len() && time_s[current + 1] <= from + snap {
+                current += 1;
+            }
+            if current + 1 == time_s.len() || time_s[current + 1] >= to - snap {
+                return values[current];
+            }
+            let mut sum = 0.0;
+            let mut at = from;
+            let mut i = current;
+            while i + 1 < time_s.len() && time_s[i + 1] < to {
+                sum += values[i] * (time_s[i + 1] - at);
+                at = time_s[i + 1];
+                i += 1;
+            }
+            (sum + values[i] * (to - at)) / h
+        })
+        .collect()
+}
+
+fn hold_linear(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
+    let mut i = 0;
+    // The value at the middle is the mean wherever no sample falls within the step.
+    (0..grid.steps)
+        .map(|n| {
+            let t = grid.time(n) + 0.5 * grid.step_s;
+            while i + 2 < time_s.len() && time_s[i + 1] <= t {
+                i += 1;
+            }
+            let along = ((t - time_s[i]) / (time_s[i + 1] - time_s[i])).clamp(0.0, 1.0);
+            values[i] + along * (values[i + 1] - values[i])
+        })
+        .collect()
+}
+
+/// Half the number of samples that take part in the interpolation of a band-limited command.
+const HALF_TAPS: usize = 24;
+
+/// Interpolation by a sinc under a Kaiser window at the middle of each step.
+fn hold_band_limited(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
+    let period = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+    // The phases repeat where the step divides the period: the weights are then computed once.
+    let per_period = (period / grid.step_s).round().max(1.0);
+    let repeats = (per_period * grid.step_s - period).abs() < 1e-9 * period;
+    let phases: Vec<[f64; 2 * HALF_TAPS]> = if repeats {
+        (0..per_period as usize).map(|p| sinc_weights((p as f64 + 0.5) / per_period)).collect()
+    } else {
+        Vec::new()
+    };
+    (0..grid.steps)
+        .map(|n| {
+            let position = (grid.time(n) + 0.5 * grid.step_s - time_s[0]) / period;
+            let (base, weights) = if repeats && grid.start_s == time_s[0] {
+                (n / per_period as usize, phases[n % per_period as usize])
+            } else {
+                let base = position.floor().max(0.0);
+                (base as usize, sinc_weights(position - base))
+            };
+            // Samples base - HALF_TAPS + 1 ..= base + HALF_TAPS; the ends repeat the first and last value.
+            if base + 1 >= HALF_TAPS && base + HALF_TAPS < values.len() {
+                let from = base + 1 - HALF_TAPS;
+                return weights.iter().zip(&values[from..]).map(|(w, v)| w * v).sum();
+            }
+            let last = values.len() as isize - 1;
+            let from = base as isize + 1 - HALF_TAPS as isize;
+            weights
+                .iter()
+                .enumerate()
+                .map(|(k, w)| w * values[(from + k as isize).clamp(0, last) as usize])
+                .sum()
+        })
+        .collect()
+}
+
+/// Weights of the samples around a point `fraction` of a period after the middle-left sample; their sum is 1.
+fn sinc_weights(fraction: f64) -> [f64; 2 * HALF_TAPS] {
+    let beta = 9.0;
+    let mut weights = [0.0; 2 * HALF_TAPS];
+    let mut sum = 0.0;
+    for (k, weight) in weights.iter_mut().enumerate() {
+        let x = fraction + HALF_TAPS as f64 - 1.0 - k as f64;
+        let sinc =
+            if x.abs() < 1e-12 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) };
+        let inside = (1.0 - (x / HALF_TAPS as f64).powi(2)).max(0.0);
+        *weight = sinc * bessel_i0(beta * inside.sqrt());
+        sum += *weight;
+    }
+    weights.iter_mut().for_each(|w| *w /= sum);
+    weights
+}
+
+/// Modified Bessel function of the first kind of order 0, by its power series.
+fn bessel_i0(x: f64) -> f64 {
+    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
+    while term > 1e-16 * sum {
+        term *= (x / (2.0 * k)).powi(2);
+        sum += term;
+        k += 1.0;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_zero_order_means_are_exact_at_odd_times() {
+        let grid = Grid { start_s: 0.0, step_s: 0.1, steps: 4 };
+        let means = mean_per_step(&[0.0, 0.05, 0.22], &[1.0, 3.0, -1.0], InputHold::ZeroOrder, &[], &grid);
+        for (mean, truth) in means.iter().zip([2.0, 3.0, 0.2 * 3.0 - 0.8, -1.0]) {
+            assert!((mean - truth).abs() < 1e-12, "{means:?}");
+        }
+    }
+
+    #[test]
+    fn analytic_band_limited_sine_between_samples() {
+        let f = 0.31;
+        let time: Vec<f64> = (0..400).map(f64::from).collect();
+        let values: Vec<f64> = time.iter().map(|t| (std::f64::consts::TAU * f * t).sin()).collect();
+        for step_s in [0.125, 0.13] {
+            let grid = Grid { start_s: 0.0, step_s, steps: (399.0 / step_s) as usize };
+            let got = mean_per_step(&time, &values, InputHold::BandLimited, &[], &grid);
+            for n in (60.0 / step_s) as usize..(340.0 / step_s) as usize {
+                let truth = (std::f64::consts::TAU * f * (grid.time(n) + 0.5 * step_s)).sin();
+                assert!((got[n] - truth).abs() < 1e-4, "{n}: {} {truth}", got[n]);
+            }
+        }
+    }
+
+    #[test]
+    fn grid_divides_a_uniform_period() {
+        let time: Vec<f64> = (0..100).map(|i| f64::from(i) * 1e-3).collect();
+        let grid = Grid::covering(&time, 1e-4);
+        assert!((grid.step_s - 1e-4).abs() < 1e-15);
+        assert_eq!(grid.steps, 990);
+    }
+}

@@ -1,0 +1,216 @@
+//! One actuator between two links as a mechanical plant, its effects in place, and its integration in time.
+//!
+//! Generalised coordinates: the screw's extension `y = r theta`, the position `x_1` of link 1 (spring
+//! side) and `x_2` of link 2 (screw side) where they move, the screw's end `x_s` where a series compliance
+//! lies between screw and link 2, and the displacement `w` of a wobbling mass. The sprung mass is at
+//! `x_p = x_s - y`, the spring's deflection is `delta = x_1 - x_p` (positive in compression), so that
+//!
+//! ```text
+//! T = 1/2 m_J y'^2 + 1/2 m_s x_p'^2 + 1/2 m_1 x_1'^2 + 1/2 m_2 x_2'^2
+//! V = 1/2 k delta^2 + gravity
+//! ```
+//!
+//! which is equations 4-2 to 4-13 of the dissertation in one sign convention. The sprung ball nut is the
+//! same plant seen from its spring side with another sprung mass; the conventional lumped model is the
+//! limit `m_s = m_T`, `m_J = 0`. For a rotary actuator N, kg and m stand for N m, kg m^2 and rad at the
+//! output.
+
+mod command;
+mod friction;
+mod integrate;
+mod linear;
+mod ports;
+mod trace;
+
+pub use command::{Grid, mean_per_step};
+pub use friction::Sliding;
+pub use linear::Coordinates;
+pub use ports::{
+    CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, SpringForce, SpringPath,
+};
+pub use trace::{Trace, sample};
+
+/// Gravitational acceleration, m/s^2.
+pub const GRAVITY_M_S2: f64 = 9.81;
+
+/// What an end of the actuator is attached to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Link {
+    /// Bolted to the world.
+    Fixed,
+    /// A free mass along the axis, kg.
+    Mass(f64),
+    /// A pendulum on a lever of constant arm: the end moves by `x = arm * angle`, the angle from hanging.
+    Pendulum {
+        /// Moment of inertia about the joint, kg m^2.
+        inertia_kg_m2: f64,
+        /// Mass times distance of the mass centre from the joint times gravity, N m.
+        gravity_torque_nm: f64,
+        /// Lever arm, m.
+        arm_m: f64,
+    },
+}
+
+impl Link {
+    /// The inertia that the actuator feels along its axis, kg; infinite if fixed.
+    #[must_use]
+    pub fn mass_kg(&self) -> f64 {
+        match *self {
+            Self::Fixed => f64::INFINITY,
+            Self::Mass(mass) => mass,
+            Self::Pendulum { inertia_kg_m2, arm_m, .. } => inertia_kg_m2 / (arm_m * arm_m),
+        }
+    }
+
+    /// The stiffness of gravity about hanging that the actuator feels along its axis, N/m.
+    #[must_use]
+    pub fn gravity_stiffness_n_m(&self) -> f64 {
+        match *self {
+            Self::Pendulum { gravity_torque_nm, arm_m, .. } => gravity_torque_nm / (arm_m * arm_m),
+            _ => 0.0,
+        }
+    }
+}
+
+/// A spring between screw and link 2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeriesCompliance {
+    /// N/m.
+    pub stiffness: f64,
+    /// The unsprung mass that it carries, kg.
+    pub mass: f64,
+}
+
+/// A point mass that is held by a spring and a damper at a radius of the output link (a pendulum).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WobblingMass {
+    /// kg.
+    pub mass: f64,
+    /// Distance from the joint, m.
+    pub radius: f64,
+    /// Natural angular frequency on a fixed link, rad/s.
+    pub angular_frequency: f64,
+    /// Damping ratio on a fixed link.
+    pub damping_ratio: f64,
+}
+
+/// An actuator between two links with everything that acts in it.
+#[derive(Debug)]
+pub struct Plant {
+    /// Reflected rotor inertia `m_J = J / r^2`, kg.
+    pub reflected_inertia: f64,
+    /// Sprung mass `m_s`, kg.
+    pub sprung_mass: f64,
+    /// Reflected viscous damping `b = b_r / r^2`, N s/m.
+    pub damping: f64,
+    /// Stiffness of the spring, N/m.
+    pub stiffness: f64,
+    /// Damping parallel to the spring, N s/m.
+    pub spring_damping: f64,
+    /// Screw travel per rotor angle `r`, m/rad.
+    pub travel_per_rad: f64,
+    /// Spring side.
+    pub link_1: Link,
+    /// Screw side.
+    pub link_2: Link,
+    /// Compliance between screw and link 2.
+    pub series: Option<SeriesCompliance>,
+    /// A mass that wobbles on link 2.
+    pub wobbling: Option<WobblingMass>,
+    /// Motor force per unit of command: N/A for a current, 1 for a force.
+    pub force_per_command: f64,
+    /// A constant that is added to the command, in the command's unit.
+    pub command_offset: f64,
+    /// On the way of the command, in order.
+    pub command_stages: Vec<Box<dyn CommandStage>>,
+    /// Limits of the drive that depend on speed.
+    pub drive_limits: Vec<Box<dyn DriveLimit>>,
+    /// Dry friction of the rotor; the bounds add up.
+    pub rotor_friction: Vec<Box<dyn DryFriction>>,
+    /// Elastic presliding friction of the rotor.
+    pub rotor_presliding: Option<ElastoSlip>,
+    /// Smooth forces on the rotor.
+    pub rotor_forces: Vec<Box<dyn RotorForce>>,
+    /// In line with the spring.
+    pub spring_path: Vec<Box<dyn SpringPath>>,
+    /// Beside the linear spring.
+    pub spring_forces: Vec<Box<dyn SpringForce>>,
+    /// A slipping element beside the spring.
+    pub spring_slip: Option<ElastoSlip>,
+    /// Coulomb friction at the output joint, referred to the axis, N.
+    pub output_friction: f64,
+    /// In front of or inside the sensors.
+    pub sensor_stages: Vec<Box<dyn SensorStage>>,
+}
+
+impl Plant {
+    /// An actuator without effects between two fixed links.
+    #[must_use]
+    pub fn new(reflected_inertia: f64, sprung_mass: f64, damping: f64, stiffness: f64) -> Self {
+        Self {
+            reflected_inertia,
+            sprung_mass,
+            damping,
+            stiffness,
+            spring_damping: 0.0,
+            travel_per_rad: 1.0,
+            link_1: Link::Fixed,
+            link_2: Link::Fixed,
+            series: None,
+            wobbling: None,
+            force_per_command: 1.0,
+            command_offset: 0.0,
+            command_stages: Vec::new(),
+            drive_limits: Vec::new(),
+            rotor_friction: Vec::new(),
+            rotor_presliding: None,
+            rotor_forces: Vec::new(),
+            spring_path: Vec::new(),
+            spring_forces: Vec::new(),
+            spring_slip: None,
+            output_friction: 0.0,
+            sensor_stages: Vec::new(),
+        }
+    }
+
+    /// The bound of the rotor's dry friction in N; see [`DryFriction::bound`].
+    #[must_use]
+    pub fn rotor_friction_bound(&self, speed: f64, direction: f64, load: f64) -> f64 {
+        self.rotor_friction.iter().map(|f| f.bound(speed, direction, load)).sum()
+    }
+
+    /// The motor force in N for a command (in its unit) at screw speed `y_dot` (m/s).
+    #[must_use]
+    pub fn motor_force(&self, command: f64, y_dot: f64) -> f64 {
+        let force = self.force_per_command * (command + self.command_offset);
+        self.drive_limits.iter().fold(force, |force, limit| limit.limit(force, y_dot))
+    }
+
+    /// The force of the spring without its slipping element, N, at deflection `delta` (m) and its rate
+    /// (m/s), positive in compression.
+    #[must_use]
+    pub fn spring_force(&self, delta: f64, delta_dot: f64) -> f64 {
+        let left = self.spring_path.iter().fold(delta, |d, path| path.left(d));
+        if left == 0.0 && !self.spring_path.is_empty() {
+            return 0.0;
+        }
+        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot)).sum();
+        self.stiffness * left + self.spring_damping * delta_dot + beside
+    }
+
+    /// Whether the spring is a linear spring and damper and nothing else.
+    #[must_use]
+    pub fn spring_is_linear(&self) -> bool {
+        self.spring_path.is_empty() && self.spring_forces.is_empty() && self.spring_slip.is_none()
+    }
+
+    /// The motion and forces from rest under the mean `commands` (one per step of `grid`, in the
+    /// command's unit).
+    ///
+    /// # Errors
+    ///
+    /// [`sealegs_model::ModelError::NotFinite`] when a state runs away.
+    pub fn simulate(&self, grid: Grid, commands: &[f64]) -> Result<Trace, sealegs_model::ModelError> {
+        integrate::simulate(self, grid, commands)
+    }
+}
