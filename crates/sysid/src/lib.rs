@@ -1,3 +1,31 @@
 //! From measurements to a verdict: campaign, residual, location, screening, fit, selection.
+//!
+//! The walk, one stage per module; each takes plain structs and returns one:
+//!
+//! 1. [`campaign`] reads the files and refuses bad input; [`resample`] is for who needs an even grid.
+//! 2. [`data`] chooses runs, channels and the rows that count for a model; it predicts and divides the
+//!    residual (measured minus predicted) by each channel's noise. [`nuisance`] solves the sensors' gain
+//!    and bias inside every such evaluation.
+//! 3. [`fit`] refits a model's own parameters, with what is known of them beforehand.
+//! 4. [`residual`] states the errors of fitted and held-out runs, [`locate`] says where they sit and
+//!    [`structure`] what they depend on; [`frf`] compares in frequency.
+//! 5. [`check`] says what a campaign can identify at all, before any fit.
+//!
+//! A model is seen through [`sealegs_model::Model`] only. Whatever is computed in parallel is summed in a
+//! fixed order, so that the same input gives the same bits for any number of threads.
 
+pub mod campaign;
+pub mod data;
+mod error;
+pub mod fit;
 pub mod frf;
+pub mod nuisance;
+pub mod resample;
+pub mod stats;
+#[cfg(test)]
+pub(crate) mod toy;
+
+pub use campaign::{Bench, Campaign, Role, Run};
+pub use data::{Data, Evaluation};
+pub use error::Error;
+pub use fit::{Fit, FitOptions};

@@ -1,0 +1,210 @@
+//! `campaign.toml`: its keys, and what can be wrong with them.
+
+use super::{Bench, Role};
+use crate::Error;
+use sealegs_model::InputHold;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::Spanned;
+
+/// A campaign file that has been checked.
+pub(super) struct Description {
+    pub name: String,
+    pub bench: Bench,
+    pub actuator: String,
+    pub scenario: Option<String>,
+    pub sample_rate_hz: Option<f64>,
+    pub hold: InputHold,
+    pub noise_std: Vec<(String, f64)>,
+    pub runs: Vec<RunEntry>,
+    pub notes: Vec<String>,
+}
+
+/// One `[[run]]`.
+pub(super) struct RunEntry {
+    pub file: String,
+    pub role: Role,
+    pub from_s: Option<f64>,
+    pub to_s: Option<f64>,
+    /// The line of its `file` key.
+    pub line: u64,
+}
+
+#[derive(Deserialize)]
+struct RawCampaign {
+    name: Option<String>,
+    bench: Spanned<String>,
+    actuator: Option<Spanned<String>>,
+    scenario: Option<String>,
+    sample_rate_hz: Option<Spanned<f64>>,
+    input_hold: Option<Spanned<String>>,
+    #[serde(default)]
+    noise_std: BTreeMap<String, Spanned<f64>>,
+    #[serde(default)]
+    run: Vec<RawRun>,
+}
+
+#[derive(Deserialize)]
+struct RawRun {
+    file: Spanned<String>,
+    role: Spanned<String>,
+    from_s: Option<Spanned<f64>>,
+    to_s: Option<Spanned<f64>>,
+}
+
+const KEYS: [&str; 8] =
+    ["name", "bench", "actuator", "scenario", "sample_rate_hz", "input_hold", "noise_std", "run"];
+const RUN_KEYS: [&str; 4] = ["file", "role", "from_s", "to_s"];
+
+/// Reads and checks a campaign file; the tables it names are not touched.
+pub(super) fn read(path: &Path) -> Result<Description, Error> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| Error::bad(path, None, None, format!("cannot be read: {e}")))?;
+    parse(path, &text)
+}
+
+/// As [`read`], of text.
+pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
+    if text.trim().is_empty() {
+        return Err(Error::bad(path, None, None, "is empty"));
+    }
+    let line_at = |offset: usize| 1 + text.bytes().take(offset).filter(|&b| b == b'\n').count() as u64;
+    let raw: RawCampaign = toml::from_str(text).map_err(|e| {
+        Error::bad(path, e.span().map(|s| line_at(s.start)), None, e.message().replace('\n', " "))
+    })?;
+    let line = |span: std::ops::Range<usize>| line_at(span.start);
+
+    let bench = match raw.bench.get_ref().as_str() {
+        "locked" => Bench::Locked,
+        "pendulum" => Bench::Pendulum,
+        "leg" => Bench::Leg,
+        other => {
+            let problem = unknown("bench", other, &["locked", "pendulum", "leg"]);
+            return Err(Error::bad(path, line(raw.bench.span()), Some("bench"), problem));
+        }
+    };
+    if bench == Bench::Leg && raw.scenario.is_none() {
+        return Err(Error::bad(
+            path,
+            line(raw.bench.span()),
+            Some("scenario"),
+            "is missing; a leg needs one",
+        ));
+    }
+    if bench != Bench::Leg && raw.actuator.as_ref().is_none_or(|a| a.get_ref().trim().is_empty()) {
+        return Err(Error::bad(path, raw.actuator.map(|a| line(a.span())), Some("actuator"), "is missing"));
+    }
+    let hold = match raw.input_hold.as_ref().map(|h| (h.get_ref().as_str(), h.span())) {
+        None | Some(("zero-order", _)) => InputHold::ZeroOrder,
+        Some(("linear", _)) => InputHold::Linear,
+        Some(("band-limited", _)) => InputHold::BandLimited,
+        Some((other, span)) => {
+            let problem = unknown("input hold", other, &["zero-order", "linear", "band-limited"]);
+            return Err(Error::bad(path, line(span), Some("input_hold"), problem));
+        }
+    };
+    let positive = |value: &Spanned<f64>, key: &str| {
+        let v = *value.get_ref();
+        if v.is_finite() && v > 0.0 {
+            Ok(v)
+        } else {
+            Err(Error::bad(
+                path,
+                line(value.span()),
+                Some(key),
+                format!("is {v}; must be positive and finite"),
+            ))
+        }
+    };
+    let sample_rate_hz = raw.sample_rate_hz.as_ref().map(|v| positive(v, "sample_rate_hz")).transpose()?;
+    let mut noise_std = Vec::new();
+    for (channel, value) in &raw.noise_std {
+        noise_std.push((channel.clone(), positive(value, &format!("noise_std.{channel}"))?));
+    }
+
+    if raw.run.is_empty() {
+        return Err(Error::bad(path, None, Some("run"), "no [[run]]; a campaign needs at least one"));
+    }
+    let mut runs: Vec<RunEntry> = Vec::new();
+    for run in &raw.run {
+        let role = match run.role.get_ref().as_str() {
+            "fit" => Role::Fit,
+            "holdout" => Role::Holdout,
+            other => {
+                let problem = unknown("role", other, &["fit", "holdout"]);
+                return Err(Error::bad(path, line(run.role.span()), Some("role"), problem));
+            }
+        };
+        let bound = |value: &Option<Spanned<f64>>, key: &str| match value {
+            Some(v) if !v.get_ref().is_finite() => {
+                Err(Error::bad(path, line(v.span()), Some(key), "must be finite"))
+            }
+            other => Ok(other.as_ref().map(|v| *v.get_ref())),
+        };
+        let entry = RunEntry {
+            file: run.file.get_ref().clone(),
+            role,
+            from_s: bound(&run.from_s, "from_s")?,
+            to_s: bound(&run.to_s, "to_s")?,
+            line: line(run.file.span()),
+        };
+        if let Some(before) = runs.iter().find(|r| r.file == entry.file && r.role != entry.role) {
+            let apart = entry.from_s.zip(before.to_s).is_some_and(|(a, b)| a >= b)
+                || before.from_s.zip(entry.to_s).is_some_and(|(a, b)| a >= b);
+            if !apart {
+                let problem = format!(
+                    "'{}' has two roles on the same rows: a held-out run judges, it is never fitted",
+                    entry.file
+                );
+                return Err(Error::bad(path, entry.line, Some("file"), problem));
+            }
+        }
+        runs.push(entry);
+    }
+    let folder_name = || {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        folder.file_name().map_or_else(|| "campaign".to_owned(), |n| n.to_string_lossy().into_owned())
+    };
+    Ok(Description {
+        name: raw.name.unwrap_or_else(folder_name),
+        bench,
+        actuator: raw.actuator.map(Spanned::into_inner).unwrap_or_default(),
+        scenario: raw.scenario,
+        sample_rate_hz,
+        hold,
+        noise_std,
+        runs,
+        notes: unknown_keys(path, text),
+    })
+}
+
+/// One note for each key that means nothing, with the one that was probably meant.
+fn unknown_keys(path: &Path, text: &str) -> Vec<String> {
+    let Ok(table) = toml::from_str::<toml::Table>(text) else { return Vec::new() };
+    let note = |key: &str, known: &[&str]| {
+        format!("{}: key '{key}' is not known and has no effect{}", path.display(), did_you_mean(key, known))
+    };
+    let mut notes: Vec<String> =
+        table.keys().filter(|k| !KEYS.contains(&k.as_str())).map(|k| note(k, &KEYS)).collect();
+    let runs = table.get("run").and_then(toml::Value::as_array).into_iter().flatten();
+    for run in runs.filter_map(toml::Value::as_table) {
+        notes.extend(run.keys().filter(|k| !RUN_KEYS.contains(&k.as_str())).map(|k| note(k, &RUN_KEYS)));
+    }
+    notes
+}
+
+/// `unknown role 'hold-out'; did you mean 'holdout'? (known: fit, holdout)`
+fn unknown(what: &str, found: &str, known: &[&str]) -> String {
+    format!("unknown {what} '{found}'{} (known: {})", did_you_mean(found, known), known.join(", "))
+}
+
+/// `; did you mean '…'?` where a known word comes near, else nothing.
+pub(super) fn did_you_mean(found: &str, known: &[&str]) -> String {
+    known
+        .iter()
+        .map(|k| (strsim::jaro_winkler(found, k), k))
+        .filter(|(score, _)| *score > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or_else(String::new, |(_, k)| format!("; did you mean '{k}'?"))
+}

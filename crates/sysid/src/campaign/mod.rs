@@ -1,0 +1,289 @@
+//! A campaign: a folder with one `campaign.toml` and one table per recorded run, read and checked.
+//!
+//! [`Campaign::read`] takes the folder (or the `campaign.toml` in it), reads all runs in parallel and
+//! refuses what the data contract refuses, with one message naming file, line and column. Nothing is
+//! silently dropped: columns that no bench knows stay in [`Run::unknown`], keys that mean nothing and
+//! other oddities become lines of [`Campaign::notes`].
+//!
+//! Time stamps are kept as they are. [`Clock`] says how regular they are; whoever needs a uniform grid
+//! (spectra, autocorrelation) resamples once with [`crate::resample`].
+
+mod clock;
+mod file;
+mod noise;
+mod table;
+
+pub use clock::{Clock, Gap};
+pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
+
+use crate::Error;
+use rayon::prelude::*;
+use sealegs_model::{Model, Record, Signal};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Columns that are commands to the motor; a run of a bench has exactly one of them.
+pub const INPUT_COLUMNS: [&str; 3] = ["current_a", "motor_force_n", "motor_torque_nm"];
+
+/// Columns that a bench's sensors may have recorded.
+pub const OUTPUT_COLUMNS: [&str; 8] = [
+    "force_1_n",
+    "force_2_n",
+    "motor_angle_rad",
+    "spring_deflection_m",
+    "joint_angle_rad",
+    "output_torque_nm",
+    "spring_torque_nm",
+    "spring_deflection_rad",
+];
+
+/// Fewest rows that a run, and the part of it that counts, may have.
+pub const FEWEST_ROWS: usize = 16;
+
+/// What the runs were recorded on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bench {
+    /// Output locked: the high-impedance bench.
+    Locked,
+    /// The screw side turns a lever with a weight: the moving-output bench.
+    Pendulum,
+    /// A whole leg, by a scenario.
+    Leg,
+}
+
+impl Bench {
+    /// The name in files.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Locked => "locked",
+            Self::Pendulum => "pendulum",
+            Self::Leg => "leg",
+        }
+    }
+}
+
+/// What a run is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Fitted and selected on, by cross-validation inside these runs.
+    Fit,
+    /// Never fitted, never selected on: judges once, at the end.
+    Holdout,
+}
+
+impl Role {
+    /// The name in files.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Fit => "fit",
+            Self::Holdout => "holdout",
+        }
+    }
+}
+
+/// One recorded run.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// What it is for.
+    pub role: Role,
+    /// Time stamps, the input and the known output columns, all rows of the file. Its name is the file's.
+    pub record: Record,
+    /// The rows that count for errors (`from_s`, `to_s`); the model still simulates from the first row.
+    pub scored: Range<usize>,
+    /// Columns that no bench knows, kept as they are.
+    pub unknown: Vec<Signal>,
+    /// How regular the time stamps are.
+    pub clock: Clock,
+    /// Where it was read from.
+    pub path: PathBuf,
+}
+
+/// Everything that a campaign's files say.
+#[derive(Debug, Clone)]
+pub struct Campaign {
+    /// Its name; the folder's if the file gives none.
+    pub name: String,
+    /// The campaign file.
+    pub file: PathBuf,
+    /// What it was recorded on.
+    pub bench: Bench,
+    /// A preset's name, or a path beside the campaign file; empty only for a leg.
+    pub actuator: String,
+    /// For a leg: the scenario's preset or file.
+    pub scenario: Option<String>,
+    /// Nominal sample rate, Hz, if stated.
+    pub sample_rate_hz: Option<f64>,
+    /// Noise of every known output column that some run has, stated or estimated.
+    pub noise: Vec<NoiseStd>,
+    /// The runs in the order of the file.
+    pub runs: Vec<Run>,
+    /// Pairs of runs with the same input: what they leave between them is the campaign's real floor.
+    pub repeats: Vec<RepeatPair>,
+    /// What a person should know of the files: unknown keys and columns, irregular time.
+    pub notes: Vec<String>,
+}
+
+impl Campaign {
+    /// Reads the campaign in a folder, or by its `campaign.toml`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadFile`] for everything that the data contract calls bad input, in the order of the
+    /// runs, whatever the number of threads.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let file = if path.is_dir() { path.join("campaign.toml") } else { path.to_owned() };
+        let description = file::read(&file)?;
+        let folder = file.parent().unwrap_or(Path::new("."));
+        let runs: Vec<Result<Run, Error>> = description
+            .runs
+            .par_iter()
+            .map(|run| {
+                let path = folder.join(&run.file);
+                if !path.is_file() {
+                    return Err(Error::bad(
+                        &file,
+                        run.line,
+                        Some("file"),
+                        format!("no such file: {}", run.file),
+                    ));
+                }
+                let table = table::read(&path, description.bench)?;
+                let record = Record {
+                    name: run.file.clone(),
+                    time_s: table.time_s,
+                    hold: description.hold,
+                    inputs: table.inputs,
+                    outputs: table.outputs,
+                };
+                let scored = scored_rows(&record.time_s, run.from_s, run.to_s).ok_or_else(|| {
+                    Error::bad(
+                        &file,
+                        run.line,
+                        Some("from_s, to_s"),
+                        format!("leave fewer than {FEWEST_ROWS} rows of {}", run.file),
+                    )
+                })?;
+                let clock = Clock::of(&record.time_s, description.sample_rate_hz);
+                Ok(Run { role: run.role, record, scored, unknown: table.unknown, clock, path })
+            })
+            .collect();
+        let runs = runs.into_iter().collect::<Result<Vec<Run>, Error>>()?;
+        let mut notes = description.notes;
+        for run in &runs {
+            for column in &run.unknown {
+                notes.push(format!(
+                    "{}: unknown column '{}' is kept, and compared with nothing",
+                    run.record.name, column.channel
+                ));
+            }
+            notes.extend(run.clock.remarks().into_iter().map(|r| format!("{}: {r}", run.record.name)));
+        }
+        for (channel, _) in &description.noise_std {
+            if !runs.iter().any(|r| r.record.output(channel).is_some()) {
+                notes.push(format!("{}: [noise_std] names '{channel}', which no run has", file.display()));
+            }
+        }
+        let repeats = noise::repeats(&runs);
+        let noise = noise::of_runs(&runs, &description.noise_std);
+        Ok(Self {
+            name: description.name,
+            file,
+            bench: description.bench,
+            actuator: description.actuator,
+            scenario: description.scenario,
+            sample_rate_hz: description.sample_rate_hz,
+            noise,
+            runs,
+            repeats,
+            notes,
+        })
+    }
+
+    /// The folder of the campaign file, beside which actuator files and scenarios are looked for.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        self.file.parent().unwrap_or(Path::new("."))
+    }
+
+    /// The runs of one role.
+    pub fn runs_of(&self, role: Role) -> impl Iterator<Item = &Run> {
+        self.runs.iter().filter(move |r| r.role == role)
+    }
+
+    /// Checks that there is a run of this role.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoRun`].
+    pub fn require(&self, role: Role) -> Result<(), Error> {
+        match self.runs_of(role).next() {
+            Some(_) => Ok(()),
+            None => Err(Error::NoRun { file: self.file.clone(), role: role.as_str() }),
+        }
+    }
+
+    /// Checks that a model can predict every run: one input column that it takes and at least one output
+    /// column that it predicts. Returns a line for each recorded output column that it does not predict.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadFile`] naming the run's file and its header.
+    pub fn check_against(&self, model: &dyn Model) -> Result<Vec<String>, Error> {
+        let mut notes = Vec::new();
+        for run in &self.runs {
+            let wanted = model.inputs();
+            let found: Vec<&str> =
+                run.record.inputs.iter().map(|s| s.channel.as_str()).filter(|c| wanted.contains(c)).collect();
+            if !wanted.is_empty() && found.len() != 1 {
+                let problem = match found.first() {
+                    None => format!(
+                        "no input column that {} takes; it needs {}",
+                        model.name(),
+                        wanted.join(" or ")
+                    ),
+                    Some(_) => format!("two input columns at once: {}", found.join(", ")),
+                };
+                return Err(Error::bad(&run.path, 1, None, problem));
+            }
+            let (known, other): (Vec<&Signal>, Vec<&Signal>) =
+                run.record.outputs.iter().partition(|s| model.predicts(&s.channel));
+            if known.is_empty() {
+                let names: Vec<&str> = run.record.outputs.iter().map(|s| s.channel.as_str()).collect();
+                let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+                return Err(Error::bad(
+                    &run.path,
+                    1,
+                    None,
+                    format!("no output column that {} can predict (found: {found})", model.name()),
+                ));
+            }
+            for signal in other {
+                notes.push(format!(
+                    "{}: column '{}' is not predicted by {}; it is kept, and compared with nothing",
+                    run.record.name,
+                    signal.channel,
+                    model.name()
+                ));
+            }
+        }
+        Ok(notes)
+    }
+
+    /// The noise standard deviation of an output column.
+    #[must_use]
+    pub fn noise_std(&self, channel: &str) -> Option<&NoiseStd> {
+        self.noise.iter().find(|n| n.channel == channel)
+    }
+}
+
+/// Rows with `from_s <= time <= to_s` (to a nanosecond, as decimal digits are not exact), if they are enough.
+fn scored_rows(time_s: &[f64], from_s: Option<f64>, to_s: Option<f64>) -> Option<Range<usize>> {
+    let start = from_s.map_or(0, |t| time_s.partition_point(|&x| x < t - 1e-9));
+    let end = to_s.map_or(time_s.len(), |t| time_s.partition_point(|&x| x <= t + 1e-9));
+    (start + FEWEST_ROWS <= end).then_some(start..end)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,217 @@
+//! The noise of each output column: stated in the campaign file, or estimated from the columns.
+//!
+//! # Estimate
+//!
+//! Third differences `d = x0 - 3 x1 + 3 x2 - x3` remove what is smooth over four samples and leave white
+//! noise with the variance `20 sigma^2`. Their root mean square over windows of [`WINDOW`] samples is
+//! taken where it is low (the lower quartile over the windows), because motion only adds to it. Two things
+//! hide noise from differences, and each puts a floor under the estimate:
+//!
+//! - a quantised sensor at rest shows no difference at all: its error is `q / sqrt(12)` for a quantum `q`;
+//! - a slow or over-sampled sensor has noise that is alike from sample to sample. Differences of samples
+//!   several steps apart see it, so that the widest of a few spacings wins where it agrees with a flat
+//!   stretch of the record; and repeats of a run see it whole, together with everything else that does
+//!   not repeat. The latter is reported as [`RepeatPair`], and never taken for sensor noise.
+
+use super::Run;
+use crate::stats;
+use rayon::prelude::*;
+
+/// Samples in a window of the estimate.
+const WINDOW: usize = 64;
+
+/// Where a noise standard deviation came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoiseOrigin {
+    /// The campaign file states it.
+    Stated,
+    /// From differences of neighbouring samples.
+    Differences,
+    /// Half a quantum's error, `q / sqrt(12)`: nothing smaller is visible.
+    Quantum,
+}
+
+/// The noise of one output column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseStd {
+    /// The column.
+    pub channel: String,
+    /// One standard deviation, in the column's unit: what residuals are divided by.
+    pub std: f64,
+    /// Where it came from.
+    pub origin: NoiseOrigin,
+    /// What the differences say, for comparison with what is stated.
+    pub from_differences: f64,
+    /// The sensor's quantum, if its values lie on a grid that is coarser than the noise.
+    pub quantum: Option<f64>,
+}
+
+/// Two runs with the same input, and what differs between their outputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RepeatPair {
+    /// Indices of the two runs in the campaign.
+    pub runs: (usize, usize),
+    /// The output column.
+    pub channel: String,
+    /// Root mean square of half their difference times sqrt(2), the mean of the difference removed (it
+    /// is an error of tare): one run's own deviation, in the column's unit.
+    pub deviation: f64,
+    /// The mean that was removed, in the column's unit.
+    pub offset: f64,
+}
+
+/// Noise of every known output column, in the order of first appearance.
+pub(super) fn of_runs(runs: &[Run], stated: &[(String, f64)]) -> Vec<NoiseStd> {
+    let mut channels: Vec<&str> = Vec::new();
+    for signal in runs.iter().flat_map(|r| &r.record.outputs) {
+        if !channels.contains(&signal.channel.as_str()) {
+            channels.push(&signal.channel);
+        }
+    }
+    channels
+        .into_par_iter()
+        .map(|channel| {
+            let columns: Vec<&[f64]> = runs.iter().filter_map(|r| r.record.output(channel)).collect();
+            let from_differences = by_differences(&columns);
+            let quantum = columns.iter().filter_map(|c| quantum(c)).reduce(f64::min);
+            let floor = quantum.map_or(0.0, |q| q / 12f64.sqrt());
+            let peak = columns.iter().flat_map(|c| c.iter()).fold(0.0f64, |p, v| p.max(v.abs()));
+            let (std, origin) = match stated.iter().find(|(c, _)| c == channel) {
+                Some(&(_, std)) => (std, NoiseOrigin::Stated),
+                None if from_differences > floor => (from_differences, NoiseOrigin::Differences),
+                // A constant column has neither noise nor quantum; any small positive number will do.
+                None => (floor.max(1e-9 * peak).max(f64::MIN_POSITIVE.sqrt()), NoiseOrigin::Quantum),
+            };
+            let visible = quantum.filter(|q| q / 12f64.sqrt() > 0.2 * std);
+            NoiseStd { channel: channel.to_owned(), std, origin, from_differences, quantum: visible }
+        })
+        .collect()
+}
+
+/// The standard deviation of white noise that third differences show where they are quiet.
+fn by_differences(columns: &[&[f64]]) -> f64 {
+    let spacing_estimate = |spacing: usize| {
+        let mut windows = Vec::new();
+        for column in columns {
+            let d: Vec<f64> = (0..column.len().saturating_sub(3 * spacing))
+                .map(|i| {
+                    column[i] - 3.0 * column[i + spacing] + 3.0 * column[i + 2 * spacing]
+                        - column[i + 3 * spacing]
+                })
+                .collect();
+            windows
+                .extend(d.chunks(WINDOW).filter(|w| w.len() == WINDOW || d.len() < WINDOW).map(stats::rms));
+        }
+        // The lower quartile of a window's rms lies about 8 % below the true value for white noise.
+        stats::quantile(&windows, 0.25) / 20f64.sqrt() / 0.92
+    };
+    let near = spacing_estimate(1);
+    // Slow noise shows at wider spacings, and so does motion: only a modest rise is believed.
+    [2, 4].into_iter().map(spacing_estimate).filter(|&wide| wide < 2.0 * near).fold(near, f64::max)
+}
+
+/// The grid on which a column's values lie: the smallest step between different values, if (nearly) all
+/// steps are whole multiples of it.
+#[must_use]
+pub fn quantum(values: &[f64]) -> Option<f64> {
+    let steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|&s| s > 0.0).collect();
+    if steps.len() < 8 {
+        return None;
+    }
+    let peak = values.iter().fold(0.0f64, |p, v| p.max(v.abs()));
+    let smallest = steps.iter().copied().filter(|&s| s > 1e-12 * peak).fold(f64::INFINITY, f64::min);
+    // The digits of the file blur a quantum: average the steps that are one quantum long.
+    let single: Vec<f64> = steps.iter().copied().filter(|&s| s < 1.5 * smallest).collect();
+    let q = stats::mean(&single);
+    let off_grid = steps.iter().filter(|&&s| s < 20.0 * q && (s / q - (s / q).round()).abs() > 0.1).count();
+    (smallest.is_finite() && (off_grid as f64) < 0.02 * steps.len() as f64).then_some(q)
+}
+
+/// Pairs of runs whose inputs are the same function of time.
+pub(super) fn repeats(runs: &[Run]) -> Vec<RepeatPair> {
+    let mut pairs = Vec::new();
+    for a in 0..runs.len() {
+        for b in a + 1..runs.len() {
+            if alike(&runs[a], &runs[b]) {
+                pairs.extend(difference(runs, a, b));
+            }
+        }
+    }
+    pairs
+}
+
+/// Whether the inputs differ by less than 3 % (rms) of their own size on the time that both scored parts
+/// cover, and the rest of the runs is short.
+fn alike(a: &Run, b: &Run) -> bool {
+    let (ra, rb) = (&a.record, &b.record);
+    let (Some(ia), Some(ib)) = (ra.inputs.first(), rb.inputs.first()) else { return false };
+    let (sa, sb) = (stats::rms(&ia.values), stats::rms(&ib.values));
+    if ia.channel != ib.channel
+        || sa == 0.0
+        || (sa / sb - 1.0).abs() > 0.05
+        || (a.clock.duration_s / b.clock.duration_s - 1.0).abs() > 0.05
+    {
+        return false;
+    }
+    let (mut sum, mut count) = (0.0, 0.0);
+    for i in a.scored.clone() {
+        if let Some(other) = crate::resample::at(&rb.time_s, &ib.values, ra.time_s[i]) {
+            sum += (other - ia.values[i]).powi(2);
+            count += 1.0;
+        }
+    }
+    count > 0.9 * a.scored.len() as f64 && (sum / count).sqrt() < 0.03 * sa
+}
+
+/// What differs between the outputs of two such runs.
+fn difference(runs: &[Run], a: usize, b: usize) -> Vec<RepeatPair> {
+    let (ra, rb) = (&runs[a].record, &runs[b].record);
+    let mut pairs = Vec::new();
+    for signal in &ra.outputs {
+        let Some(other) = rb.output(&signal.channel) else { continue };
+        let d: Vec<f64> = runs[a]
+            .scored
+            .clone()
+            .filter_map(|i| Some(signal.values[i] - crate::resample::at(&rb.time_s, other, ra.time_s[i])?))
+            .collect();
+        pairs.push(RepeatPair {
+            runs: (a, b),
+            channel: signal.channel.clone(),
+            deviation: stats::std(&d) / 2f64.sqrt(),
+            offset: stats::mean(&d),
+        });
+    }
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy::Noise;
+
+    #[test]
+    fn white_noise_on_a_slow_signal_is_estimated_within_a_tenth() {
+        let mut noise = Noise::new(1);
+        let values: Vec<f64> =
+            (0..4000).map(|i| 50.0 * (f64::from(i) * 0.02).sin() + 2.0 * noise.normal()).collect();
+        let std = by_differences(&[&values]);
+        assert!((std / 2.0 - 1.0).abs() < 0.1, "{std}");
+    }
+
+    #[test]
+    fn a_quantised_sensor_shows_its_quantum() {
+        let q = std::f64::consts::TAU / 4096.0;
+        let values: Vec<f64> = (0..4000)
+            .map(|i| {
+                let x = 0.3 * (f64::from(i) * 0.001).sin();
+                // Six digits, as a file would have them.
+                ((x / q).round() * q * 1e6).round() / 1e6
+            })
+            .collect();
+        let found = quantum(&values).unwrap();
+        assert!((found / q - 1.0).abs() < 2e-3, "{found} {q}");
+        let mut noise = Noise::new(2);
+        let continuous: Vec<f64> = (0..400).map(|_| noise.normal()).collect();
+        assert_eq!(quantum(&continuous), None);
+    }
+}

@@ -1,0 +1,236 @@
+//! The data contract's list of bad input, case by case, and what good input becomes.
+
+use super::*;
+use proptest::prelude::*;
+use std::fmt::Write;
+
+const HEADER: &str = "time_s,current_a,force_1_n\n";
+
+fn rows(n: usize) -> String {
+    (0..n).fold(String::new(), |mut text, i| {
+        let _ = writeln!(text, "{:.3},{:.2},{:.2}", i as f64 * 0.001, (i % 7) as f64, (i % 5) as f64);
+        text
+    })
+}
+
+fn description(extra: &str, run: &str) -> String {
+    format!("name = \"t\"\nbench = \"locked\"\nactuator = \"a\"\nsample_rate_hz = 1000.0\n{extra}\n{run}")
+}
+
+const RUN: &str = "[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\n";
+
+fn read(toml: &str, csv: Option<&[u8]>) -> Result<Campaign, Error> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("campaign.toml"), toml).unwrap();
+    if let Some(csv) = csv {
+        std::fs::write(folder.path().join("r.csv"), csv).unwrap();
+    }
+    Campaign::read(folder.path())
+}
+
+/// The message of a campaign with this table, which must be refused.
+fn refused(csv: &str) -> String {
+    let message = read(&description("", RUN), Some(csv.as_bytes())).unwrap_err().to_string();
+    assert!(message.contains("r.csv"), "{message}");
+    assert!(!message.contains('\n'), "one line: {message}");
+    message
+}
+
+fn toml_refused(toml: &str) -> String {
+    let message = read(toml, Some((HEADER.to_owned() + &rows(20)).as_bytes())).unwrap_err().to_string();
+    assert!(message.contains("campaign.toml") && !message.contains('\n'), "{message}");
+    message
+}
+
+#[test]
+fn a_good_campaign_is_read_whole() {
+    let csv = "\u{feff}time_s, current_a ,force_1_n,housing_position_m,index\r\n".to_owned()
+        + &(0..20).map(|i| format!("{},1e0,-2.5,0.1,{i}\r\n", f64::from(i) * 0.001)).collect::<String>();
+    let run = "[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\nfrom_s = 0.002\nto_s = 0.018\n";
+    let campaign = read(&description("input_hold = \"linear\"\n", run), Some(csv.as_bytes())).unwrap();
+    let run = &campaign.runs[0];
+    assert_eq!(run.record.len(), 20);
+    assert_eq!(run.scored, 2..19);
+    assert_eq!(run.record.hold, sealegs_model::InputHold::Linear);
+    assert_eq!(run.record.input("current_a").unwrap()[3], 1.0);
+    assert_eq!(run.record.output("force_1_n").unwrap()[19], -2.5);
+    assert_eq!(run.unknown.len(), 2);
+    assert_eq!(campaign.notes.len(), 2, "{:?}", campaign.notes);
+    assert!(campaign.require(Role::Fit).is_ok());
+    assert!(campaign.require(Role::Holdout).unwrap_err().to_string().contains("holdout"));
+}
+
+#[test]
+fn a_leg_campaign_is_read() {
+    let toml = "bench = \"leg\"\nscenario = \"thor-swing\"\n[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\n";
+    let csv = "time_s,knee.angle_rad,foot.normal_force_n\n".to_owned() + &rows(20);
+    let campaign = read(toml, Some(csv.as_bytes())).unwrap();
+    assert_eq!(campaign.bench, Bench::Leg);
+    assert_eq!(campaign.scenario.as_deref(), Some("thor-swing"));
+    assert_eq!(campaign.runs[0].record.outputs.len(), 2);
+    assert!(
+        toml_refused("bench = \"leg\"\n[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\n").contains("scenario")
+    );
+}
+
+#[test]
+fn missing_and_empty_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(Campaign::read(folder.path()).unwrap_err().to_string().contains("campaign.toml"));
+    let message = read(&description("", RUN), None).unwrap_err().to_string();
+    assert!(message.contains("line 7") && message.contains("r.csv"), "{message}");
+    assert!(refused("").contains("empty"));
+    assert!(refused("\n \n").contains("empty"));
+    assert!(toml_refused("").contains("empty"));
+}
+
+#[test]
+fn a_table_without_header_is_refused() {
+    assert!(refused(&rows(20)).contains("no header"));
+}
+
+#[test]
+fn unknown_words_are_refused_with_a_suggestion() {
+    let bench =
+        toml_refused("bench = \"loked\"\nactuator = \"a\"\n[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\n");
+    assert!(bench.contains("line 1") && bench.contains("did you mean 'locked'"), "{bench}");
+    let role = toml_refused(&description("", "[[run]]\nfile = \"r.csv\"\nrole = \"hold-out\"\n"));
+    assert!(role.contains("line 8") && role.contains("did you mean 'holdout'"), "{role}");
+    let hold = toml_refused(&description("input_hold = \"foh\"", RUN));
+    assert!(hold.contains("input_hold"), "{hold}");
+    assert!(
+        toml_refused("bench = \"locked\"\n[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\n").contains("actuator")
+    );
+    assert!(toml_refused(&description("", "")).contains("no [[run]]"));
+    assert!(toml_refused("bench = locked").contains("line 1"));
+    assert!(toml_refused(&description("", "[[run]]\nfile = \"r.csv\"\n")).contains("role"));
+}
+
+#[test]
+fn an_unknown_key_is_a_note() {
+    let csv = HEADER.to_owned() + &rows(20);
+    let campaign = read(&description("input_hld = \"linear\"", RUN), Some(csv.as_bytes())).unwrap();
+    assert!(campaign.notes.iter().any(|n| n.contains("did you mean 'input_hold'")), "{:?}", campaign.notes);
+}
+
+#[test]
+fn numbers_of_the_campaign_file_are_checked() {
+    let zero = description("[noise_std]\nforce_1_n = 0.0", RUN);
+    assert!(toml_refused(&zero).contains("noise_std.force_1_n"));
+    assert!(toml_refused(&description("", RUN).replace("1000.0", "-5")).contains("sample_rate_hz"));
+    let run = "[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\nfrom_s = 100.0\n";
+    assert!(toml_refused(&description("", run)).contains("fewer than 16 rows"));
+    let twice = format!("{RUN}{}", RUN.replace("fit", "holdout"));
+    assert!(toml_refused(&description("", &twice)).contains("two roles"));
+}
+
+#[test]
+fn a_cell_that_is_no_finite_number_is_named() {
+    for (cell, word) in [("x", "no number"), ("NaN", "not finite"), ("-inf", "not finite"), ("", "empty")] {
+        let table = (HEADER.to_owned() + &rows(20)).replace("0.010,3.00,", &format!("0.010,{cell},"));
+        let message = refused(&table);
+        assert!(message.contains("line 12") && message.contains("'current_a'"), "{message}");
+        assert!(message.contains(word), "{message}");
+    }
+}
+
+#[test]
+fn too_few_rows_are_refused() {
+    assert!(refused(&(HEADER.to_owned() + &rows(15))).contains("15 rows"));
+    assert!(read(&description("", RUN), Some((HEADER.to_owned() + &rows(16)).as_bytes())).is_ok());
+}
+
+#[test]
+fn time_that_repeats_or_goes_back_is_refused() {
+    let table = HEADER.to_owned() + &rows(20);
+    let repeats = refused(&table.replace("\n0.010,", "\n0.009,"));
+    assert!(
+        repeats.contains("line 12") && repeats.contains("time_s") && repeats.contains("repeats"),
+        "{repeats}"
+    );
+    assert!(refused(&table.replace("\n0.010,", "\n0.0,")).contains("goes back"));
+}
+
+#[test]
+fn columns_of_different_length_are_refused() {
+    let table = HEADER.to_owned() + &rows(20);
+    let short = refused(&table.replace("0.010,3.00,0.00", "0.010,3.00"));
+    assert!(short.contains("line 12") && short.contains("'force_1_n'"), "{short}");
+    assert!(refused(&table.replace("0.010,3.00,0.00", "0.010,3.00,0.0,1.0")).contains("4 cells"));
+}
+
+#[test]
+fn inputs_must_be_exactly_one() {
+    let table = HEADER.to_owned() + &rows(20);
+    assert!(refused(&table.replace("current_a", "voltage_m")).contains("no input column"));
+    let two = refused(&table.replace("force_1_n", "motor_force_n"));
+    assert!(two.contains("two input columns") && two.contains("line 1"), "{two}");
+}
+
+#[test]
+fn headers_are_checked() {
+    let table = HEADER.to_owned() + &rows(20);
+    let unit = refused(&table.replace("force_1_n", "force_1_lbf"));
+    assert!(unit.contains("line 1") && unit.contains("'force_1_lbf'"), "{unit}");
+    assert!(refused(&table.replace("time_s", "time_ms")).contains("known unit"));
+    assert!(refused(&table.replace("time_s", "clock_s")).contains("'time_s'"));
+    assert!(refused(&table.replace("force_1_n", "current_a")).contains("twice"));
+    assert!(refused(&table.replace("force_1_n", "")).contains("no name"));
+    assert!(refused(&table.replace(',', ";")).contains("comma"));
+}
+
+#[test]
+fn a_run_that_the_model_cannot_predict_is_refused() {
+    let table = HEADER.to_owned() + &rows(20);
+    let toy = crate::toy::Toy::new();
+    let campaign = read(&description("", RUN), Some(table.as_bytes())).unwrap();
+    let message = campaign.check_against(&toy).unwrap_err().to_string();
+    assert!(message.contains("no input column that toy takes"), "{message}");
+    let force = table.replace("current_a", "motor_force_n");
+    let campaign = read(&description("", RUN), Some(force.as_bytes())).unwrap();
+    assert!(campaign.check_against(&toy).unwrap().is_empty());
+    let other = force.replace("force_1_n", "force_2_n");
+    let campaign = read(&description("", RUN), Some(other.as_bytes())).unwrap();
+    let message = campaign.check_against(&toy).unwrap_err().to_string();
+    assert!(message.contains("line 1") && message.contains("force_2_n"), "{message}");
+}
+
+#[test]
+fn a_million_rows_take_about_a_second() {
+    let mut csv = String::from("time_s,current_a,force_1_n,force_2_n\n");
+    for i in 0..1_000_000 {
+        let _ = writeln!(csv, "{:.4},{:.5},{:.2},{:.2}", f64::from(i) * 1e-3, 0.123, f64::from(i % 100), 5.5);
+    }
+    let started = std::time::Instant::now();
+    let table = table::parse(Path::new("big.csv"), csv.as_bytes(), Bench::Locked).unwrap();
+    assert_eq!(table.time_s.len(), 1_000_000);
+    // A generous bound, as other tests share the machine; it takes about 0.3 s alone.
+    assert!(started.elapsed().as_secs_f64() < 3.0, "{:?}", started.elapsed());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn no_table_makes_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        let _ = table::parse(Path::new("x.csv"), &bytes, Bench::Locked);
+    }
+
+    #[test]
+    fn no_almost_right_table_makes_the_reader_panic(
+        cells in prop::collection::vec("[0-9.,e\\-\n\"NaNif; ]{0,12}", 0..60)
+    ) {
+        let text = HEADER.to_owned() + &cells.concat();
+        if let Err(e) = table::parse(Path::new("x.csv"), text.as_bytes(), Bench::Pendulum) {
+            prop_assert!(!e.to_string().is_empty());
+        }
+    }
+
+    #[test]
+    fn no_campaign_file_makes_the_reader_panic(lines in prop::collection::vec(
+        "(name|bench|actuator|role|file|from_s|input_hold|\\[\\[run\\]\\]|\\[noise_std\\]|force_1_n)( = )?(\"[a-z-]{0,8}\"|-?[0-9.]{1,4}|nan)?",
+        0..12,
+    )) {
+        let _ = file::parse(Path::new("campaign.toml"), &lines.join("\n"));
+    }
+}

@@ -1,0 +1,308 @@
+//! Refits a model's free parameters inside their bounds, with what is known of them beforehand.
+//!
+//! The cost is half the sum of squares of
+//!
+//! - every residual in noise units, the sensors' gain and bias solved inside (see [`crate::nuisance`]),
+//! - the sensors' prior rows,
+//! - for each free parameter with a stated tolerance, `(value - nominal) / prior_std`.
+//!
+//! It is minimised by Levenberg and Marquardt's method: Gauss-Newton steps, damped in proportion to each
+//! coordinate's own curvature, on the parameters that are not held at a bound. Derivatives are finite
+//! differences; simulations run in parallel over parameters and runs, sums are taken in a fixed order. A
+//! simulation that fails (a state that runs away) costs infinitely much, and the step is rejected.
+//!
+//! Standard errors are explained in [`FittedParameter::std`].
+
+mod coordinates;
+mod jacobian;
+mod levenberg;
+mod signature;
+mod uncertainty;
+
+pub use coordinates::Bound;
+pub use jacobian::{Difference, JacobianBlock};
+pub use signature::Signatures;
+
+use crate::data::{Data, Evaluation};
+use crate::{Error, nuisance::Sensor};
+use coordinates::Coordinates;
+use levenberg::Search;
+use nalgebra::DMatrix;
+use sealegs_model::Model;
+
+/// How a fit is done.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FitOptions {
+    /// Values to start from in place of the nominal ones, in the order of the model's parameters.
+    pub start: Option<Vec<f64>>,
+    /// At most so many starting points: the first, then others from [`sealegs_model::Parameter::starts`].
+    pub starts: usize,
+    /// Steps that each start gets before the best of them goes on alone.
+    pub race_steps: usize,
+    /// At most so many steps.
+    pub max_steps: usize,
+    /// Ends when a step gains less than this, in units of cost times the mean squared residual (where
+    /// that is above 1): 0.5 is one standard error of a parameter.
+    pub tolerance: f64,
+    /// Derivatives at the solution, for standard errors.
+    pub difference: Difference,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self {
+            start: None,
+            starts: 6,
+            race_steps: 3,
+            max_steps: 40,
+            tolerance: 1e-3,
+            difference: Difference::Central,
+        }
+    }
+}
+
+/// A parameter after a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedParameter {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The fitted value.
+    pub value: f64,
+    /// The nominal value, about which its prior stands.
+    pub nominal: f64,
+    /// One standard deviation of what was known beforehand.
+    pub prior_std: Option<f64>,
+    /// One standard error; 0 for a fixed parameter.
+    ///
+    /// Where the residual is at the noise floor this is the usual `(J'J + priors)^-1`. Where the model is
+    /// wrong the residual is neither white nor small, and that would be far too narrow: then the spread of
+    /// the score `J'r` between stretches of the runs is used in the middle (a sandwich estimate, each
+    /// stretch longer than the residual's memory). It describes how far the values would wander on other
+    /// data of this kind under the same wrong model, not the distance from the true value.
+    pub std: f64,
+    /// On which bound it ended, if on one.
+    pub at_bound: Option<Bound>,
+    /// Whether the data say anything: the standard error is clearly below the prior's, or below a third of
+    /// the admitted range's standard deviation.
+    pub felt: bool,
+    /// Never changed by a fit.
+    pub fixed: bool,
+}
+
+/// Two parameters that the data can hardly tell apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Correlation {
+    /// Index of the first parameter.
+    pub first: usize,
+    /// Index of the second.
+    pub second: usize,
+    /// Between -1 and 1.
+    pub value: f64,
+}
+
+/// The outcome of a fit, with what later stages build on.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// Values in the order of the model's parameters.
+    pub values: Vec<f64>,
+    /// The same with names, errors and remarks.
+    pub parameters: Vec<FittedParameter>,
+    /// Indices of the parameters that were free.
+    pub free: Vec<usize>,
+    /// Covariance of the free parameters, in their units, in that order.
+    pub covariance: DMatrix<f64>,
+    /// Predictions, sensors and residuals at the solution.
+    pub evaluation: Evaluation,
+    /// Derivatives of the residual blocks by each free parameter's coordinate, the sensors' gain and bias
+    /// projected out; multiply a column by `1 / slopes[k]` for the derivative by the value.
+    pub jacobian: Vec<JacobianBlock>,
+    /// d value / d coordinate of each free parameter.
+    pub slopes: Vec<f64>,
+    /// `J'J` plus the priors, by coordinates: the curvature of the cost.
+    pub normal: DMatrix<f64>,
+    /// Gradient of the cost by coordinates; near zero where no bound holds.
+    pub gradient: Vec<f64>,
+    /// The cost, priors counted.
+    pub cost: f64,
+    /// Steps taken.
+    pub steps: usize,
+    /// Whether the last step gained less than the tolerance.
+    pub converged: bool,
+    /// Factor between the standard errors used and those of white noise at the noise floor, root mean
+    /// square over the free parameters: 1 if the residual is noise.
+    pub std_inflation: f64,
+    /// Simulations done by this fit.
+    pub simulations: u64,
+    /// Seconds of experiment that they covered.
+    pub simulated_s: f64,
+}
+
+impl Fit {
+    /// Error of the fit runs: root mean square residual in noise units.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.evaluation.rms
+    }
+
+    /// The sensors, channel by channel.
+    #[must_use]
+    pub fn sensors(&self) -> &[Sensor] {
+        &self.evaluation.sensors
+    }
+
+    /// Pairs of free parameters whose errors are correlated more than `least` in magnitude.
+    #[must_use]
+    pub fn correlations(&self, least: f64) -> Vec<Correlation> {
+        let mut pairs = Vec::new();
+        for a in 0..self.free.len() {
+            for b in a + 1..self.free.len() {
+                let size = (self.covariance[(a, a)] * self.covariance[(b, b)]).sqrt();
+                let value = if size > 0.0 { self.covariance[(a, b)] / size } else { 0.0 };
+                if value.abs() > least {
+                    pairs.push(Correlation { first: self.free[a], second: self.free[b], value });
+                }
+            }
+        }
+        pairs
+    }
+}
+
+/// Fits a model's free parameters to the data.
+///
+/// # Errors
+///
+/// [`Error::NoStart`] if no starting point can be simulated.
+pub fn fit(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit, Error> {
+    let before = data.work();
+    let coordinates = Coordinates::new(model.parameters());
+    let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
+    let mut first = options.start.clone().unwrap_or_else(|| nominal.clone());
+    first.resize(nominal.len(), 0.0);
+
+    let mut searches = Vec::new();
+    let mut failure = None;
+    for start in starts(&coordinates, &first, options.starts) {
+        match Search::new(data, model, &coordinates, &start) {
+            Ok(search) => searches.push(search),
+            Err(error) => failure = failure.or(Some(error)),
+        }
+    }
+    if searches.len() > 1 {
+        for search in &mut searches {
+            search.run(data, model, &coordinates, options.race_steps, options.tolerance);
+        }
+    }
+    // The first of equals, so that the order of the starts decides and nothing else.
+    let best = searches.into_iter().reduce(|best, other| if other.cost < best.cost { other } else { best });
+    let Some(mut search) = best else {
+        return Err(match failure {
+            Some(Error::Model { run, source }) => Error::NoStart { run, source },
+            Some(other) => other,
+            None => unreachable!("there is always a first start"),
+        });
+    };
+    let left = options.max_steps.saturating_sub(search.steps);
+    search.run(data, model, &coordinates, left, options.tolerance);
+    Ok(describe(data, model, &coordinates, search, options.difference, before))
+}
+
+/// Everything that a fit returns, at values that are not searched but given.
+///
+/// # Errors
+///
+/// As [`fit`].
+pub fn at_values(
+    data: &Data,
+    model: &dyn Model,
+    values: &[f64],
+    difference: Difference,
+) -> Result<Fit, Error> {
+    let before = data.work();
+    let coordinates = Coordinates::new(model.parameters());
+    let search = Search::new(data, model, &coordinates, values)?;
+    Ok(describe(data, model, &coordinates, search, difference, before))
+}
+
+/// The first start, then one for each other value worth starting from.
+fn starts(coordinates: &Coordinates, first: &[f64], most: usize) -> Vec<Vec<f64>> {
+    let mut starts = vec![first.to_vec()];
+    let longest = coordinates.free.iter().map(|&i| coordinates.parameters[i].starts.len()).max().unwrap_or(0);
+    for round in 0..longest {
+        for &i in &coordinates.free {
+            if let Some(&value) = coordinates.parameters[i].starts.get(round) {
+                let mut start = first.to_vec();
+                start[i] = value;
+                if !starts.contains(&start) {
+                    starts.push(start);
+                }
+            }
+        }
+    }
+    starts.truncate(most.max(1));
+    starts
+}
+
+fn describe(
+    data: &Data,
+    model: &dyn Model,
+    coordinates: &Coordinates,
+    search: Search,
+    difference: Difference,
+    before: (u64, f64),
+) -> Fit {
+    let Search { u, evaluation, cost, steps, converged, .. } = search;
+    let raw = jacobian::raw(data, model, &evaluation, coordinates, &u, difference);
+    let mut projected = raw.clone();
+    jacobian::project(data, &evaluation, &mut projected);
+    let (mut normal, mut gradient) = jacobian::normal(&projected, &raw, &evaluation);
+    levenberg::add_priors(coordinates, &u, &mut normal, &mut gradient);
+    let slopes: Vec<f64> = (0..u.len()).map(|k| coordinates.slope(k, u[k])).collect();
+    let spread = uncertainty::covariance(data, &evaluation, &projected, coordinates, &u, &normal);
+    let values = evaluation.values.clone();
+    let mut parameters: Vec<FittedParameter> = model
+        .parameters()
+        .iter()
+        .zip(&values)
+        .map(|(p, &value)| FittedParameter {
+            name: p.name.clone(),
+            unit: p.unit.clone(),
+            value,
+            nominal: p.value,
+            prior_std: p.prior_std,
+            std: 0.0,
+            at_bound: None,
+            felt: true,
+            fixed: true,
+        })
+        .collect();
+    for (k, &i) in coordinates.free.iter().enumerate() {
+        let p = &mut parameters[i];
+        p.fixed = false;
+        p.std = spread.covariance[(k, k)].max(0.0).sqrt();
+        p.at_bound = coordinates.bound(k, u[k]);
+        p.felt = spread.felt[k];
+    }
+    let (simulations, simulated_s) = data.work();
+    Fit {
+        values,
+        parameters,
+        free: coordinates.free.clone(),
+        covariance: spread.covariance,
+        evaluation,
+        jacobian: projected,
+        slopes,
+        normal,
+        gradient: gradient.iter().copied().collect(),
+        cost,
+        steps,
+        converged,
+        std_inflation: spread.inflation,
+        simulations: simulations - before.0,
+        simulated_s: simulated_s - before.1,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,69 @@
+//! Gain and bias of every sensor, solved linearly inside each evaluation of a residual.
+//!
+//! A sensor is taken to show `gain * true + bias + noise`. Gain and bias are no physics of the model, so
+//! they are never search variables: for given model parameters their best values follow from a small linear
+//! least-squares problem (variable projection), with what is known of them beforehand as further rows:
+//!
+//! - `gain = 1 ± gain_std`, one per channel for all runs (a load cell's 1 %; an encoder's angle has no
+//!   gain error, its gain is fixed at 1). It is held inside three standard deviations: where the model is
+//!   wrong by a hundred times the noise, ten thousand samples would otherwise outvote any maker's data
+//!   sheet and hide the model's error in an impossible sensor.
+//! - `bias_r = common ± run_bias_std` for each fitted run `r`, and `common = 0 ± bias_std`: a sensor is
+//!   tared anew before a run on many rigs.
+//!
+//! # The zero of a held-out run
+//!
+//! A held-out run is never fitted, and so has no bias of its own from the model's point of view. Its zero
+//! is taken from its own start, as an experimenter would: from the rows, at the very beginning of the
+//! file, during which the command has not changed yet and the model is at rest. This *quiet start*, with
+//! its own standard error, is weighed against the common bias, with the spread of the fitted runs' biases:
+//! where all runs agree (spread near zero) the common bias stands, where each run was tared anew the
+//! quiet start does. No row after the first change of the command takes part, so that nothing of the
+//! run's answer to its excitation can improve its own error. A held-out run without a quiet start is
+//! judged with the common bias, and its error then contains the error of tare.
+
+mod solve;
+
+pub use solve::{RunSums, Sensor, judge_zero, quiet_start, solve};
+
+/// What is known of a sensor beforehand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorPrior {
+    /// One standard deviation of the gain about 1; 0 fixes it.
+    pub gain_std: f64,
+    /// One standard deviation of the common bias about 0, in the channel's unit.
+    pub bias_std: f64,
+    /// One standard deviation of a run's bias about the common one, in the channel's unit.
+    pub run_bias_std: f64,
+}
+
+impl SensorPrior {
+    /// The gain stays within this many of its standard deviations.
+    pub const GAIN_LIMIT: f64 = 3.0;
+
+    /// The default for a channel, by its unit and the greatest magnitude that it showed.
+    ///
+    /// Forces, torques, lengths: 1 % of gain; a bias of 5 % of the peak from run to run about a common one
+    /// of which next to nothing is known (25 %). A torque that is inferred from a spring
+    /// (`spring_torque_nm`) carries the error of an assumed stiffness, 10 %. Angles: no gain; the rotor's
+    /// is zero at the start by definition, up to some noise; a joint's or a spring's encoder is mounted
+    /// within 2 % of what it showed and 0.02 rad, and stays where it is up to a fifth of that.
+    #[must_use]
+    pub fn of_channel(channel: &str, noise_std: f64, peak: f64) -> Self {
+        let wide = (0.05 * peak).max(5.0 * noise_std);
+        let gain_std = match channel {
+            "spring_torque_nm" => 0.1,
+            _ if channel.ends_with("_rad") => 0.0,
+            _ => 0.01,
+        };
+        let (bias_std, run_bias_std) = match channel {
+            "motor_angle_rad" => (2.0 * noise_std, 2.0 * noise_std),
+            _ if channel.ends_with("_rad") => {
+                let mounted = (0.02 * peak).clamp(5.0 * noise_std, f64::max(0.02, 5.0 * noise_std));
+                (mounted, 0.2 * mounted + noise_std)
+            }
+            _ => (5.0 * wide, wide),
+        };
+        Self { gain_std, bias_std, run_bias_std }
+    }
+}

@@ -1,0 +1,239 @@
+//! The linear least-squares problem of one channel's gain and biases, in closed form.
+
+use super::SensorPrior;
+use nalgebra::{DMatrix, DVector};
+
+/// Sums over the scored rows of one run and channel, in the channel's unit: all that the solution needs.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct RunSums {
+    /// Number of rows.
+    pub n: f64,
+    /// Sum of predictions.
+    pub p: f64,
+    /// Sum of measurements.
+    pub y: f64,
+    /// Sum of squared predictions.
+    pub pp: f64,
+    /// Sum of products of prediction and measurement.
+    pub py: f64,
+}
+
+impl RunSums {
+    /// Adds one row.
+    pub fn add(&mut self, predicted: f64, measured: f64) {
+        self.n += 1.0;
+        self.p += predicted;
+        self.y += measured;
+        self.pp += predicted * predicted;
+        self.py += predicted * measured;
+    }
+}
+
+/// A sensor's gain and bias with the best values for some model parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// The channel.
+    pub channel: String,
+    /// Measured per true.
+    pub gain: f64,
+    /// Standard error of the gain for given model parameters and white noise; 0 if it is fixed.
+    pub gain_std: f64,
+    /// The gain lies on its limit of [`SensorPrior::GAIN_LIMIT`] standard deviations.
+    pub gain_at_limit: bool,
+    /// Common bias, in the channel's unit.
+    pub bias: f64,
+    /// Standard deviation with which the biases of runs scatter about the common one, as far as the fitted
+    /// runs show it; the prior's if there is only one.
+    pub bias_spread: f64,
+    /// The bias of each fitted run that has the channel, with the run's index in its data.
+    pub run_bias: Vec<(usize, f64)>,
+    /// Cost of the priors: half the sum of their squared rows.
+    pub prior_cost: f64,
+}
+
+impl Sensor {
+    /// The bias of a run, the common one for a run that was not fitted.
+    #[must_use]
+    pub fn bias_of(&self, run: usize) -> f64 {
+        self.run_bias.iter().find(|(r, _)| *r == run).map_or(self.bias, |(_, b)| *b)
+    }
+}
+
+/// The gain and the biases that minimise the squared residual over the runs, plus the squared prior rows.
+///
+/// `sums` holds `(run, sums)` for the runs that have this channel.
+#[must_use]
+pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, RunSums)]) -> Sensor {
+    let weight = noise_std.powi(-2);
+    let (common, spread) = (prior.bias_std.powi(-2), prior.run_bias_std.powi(-2));
+    let fixed = prior.gain_std == 0.0;
+    // Unknowns: gain - 1, common bias, one bias a run.
+    let size = 2 + sums.len();
+    let mut a = DMatrix::<f64>::zeros(size, size);
+    let mut rhs = DVector::<f64>::zeros(size);
+    a[(1, 1)] = common;
+    a[(0, 0)] = if fixed { 1.0 } else { prior.gain_std.powi(-2) };
+    for (i, (_, s)) in sums.iter().enumerate() {
+        let k = 2 + i;
+        if !fixed {
+            a[(0, 0)] += weight * s.pp;
+            a[(0, k)] = weight * s.p;
+            a[(k, 0)] = weight * s.p;
+            rhs[0] += weight * (s.py - s.pp);
+        }
+        a[(k, k)] = weight * s.n + spread;
+        a[(1, 1)] += spread;
+        a[(1, k)] = -spread;
+        a[(k, 1)] = -spread;
+        rhs[k] = weight * (s.y - s.p);
+    }
+    let mut at_limit = false;
+    let limit = SensorPrior::GAIN_LIMIT * prior.gain_std;
+    // The priors make the matrix positive definite; rounding alone could break it, and then the neutral
+    // sensor is the answer.
+    let mut solution = DVector::zeros(size);
+    let mut gain_std = 0.0;
+    if let Some(cholesky) = a.clone().cholesky() {
+        solution = cholesky.solve(&rhs);
+        if !fixed {
+            let mut unit = DVector::zeros(size);
+            unit[0] = 1.0;
+            gain_std = cholesky.solve(&unit)[0].max(0.0).sqrt();
+        }
+        if solution[0].abs() > limit && !fixed {
+            at_limit = true;
+            let held = limit.copysign(solution[0]);
+            for k in 1..size {
+                rhs[k] -= a[(k, 0)] * held;
+                a[(k, 0)] = 0.0;
+                a[(0, k)] = 0.0;
+            }
+            a[(0, 0)] = 1.0;
+            rhs[0] = held;
+            if let Some(cholesky) = a.cholesky() {
+                solution = cholesky.solve(&rhs);
+            }
+        }
+    }
+    let run_bias: Vec<(usize, f64)> =
+        sums.iter().enumerate().map(|(i, (run, _))| (*run, solution[2 + i])).collect();
+    let deviations: f64 = run_bias.iter().map(|(_, b)| (b - solution[1]).powi(2)).sum();
+    let gain_row = if fixed { 0.0 } else { solution[0] / prior.gain_std };
+    let prior_cost = 0.5 * (gain_row.powi(2) + solution[1].powi(2) * common + deviations * spread);
+    let runs = run_bias.len() as f64;
+    let bias_spread = if run_bias.len() < 2 {
+        prior.run_bias_std
+    } else {
+        let mean = run_bias.iter().map(|(_, b)| b).sum::<f64>() / runs;
+        let scatter: f64 = run_bias.iter().map(|(_, b)| (b - mean).powi(2)).sum();
+        // The spread of two or three runs is itself known badly: err on the wide side (half a degree of
+        // freedom less), with the standard error that the noise alone leaves as the least.
+        let least = sums.iter().map(|(_, s)| noise_std.powi(2) / s.n.max(1.0)).sum::<f64>() / runs;
+        ((scatter + least) / (runs - 1.5)).sqrt()
+    };
+    Sensor {
+        channel: channel.to_owned(),
+        gain: 1.0 + solution[0],
+        gain_std,
+        gain_at_limit: at_limit,
+        bias: solution[1],
+        bias_spread,
+        run_bias,
+        prior_cost,
+    }
+}
+
+/// Number of rows at the very beginning of a run during which the command keeps its first value and the
+/// prediction of a channel stays within a tenth of its noise.
+///
+/// The row at which the command first differs still belongs to it: the command has only just gone out.
+#[must_use]
+pub fn quiet_start(input: &[f64], predicted: &[f64], noise_std: f64) -> usize {
+    let (Some(&first), Some(&rest)) = (input.first(), predicted.first()) else { return 0 };
+    let changed = input.iter().position(|&u| u != first).map_or(0, |i| i + 1);
+    predicted.iter().take(changed).take_while(|&&p| (p - rest).abs() <= 0.1 * noise_std).count()
+}
+
+/// The bias with which a held-out run is judged: its quiet start weighed against the common bias.
+///
+/// `measured` and `predicted` are the whole run, `quiet` the number of its rows in the quiet start.
+#[must_use]
+pub fn judge_zero(sensor: &Sensor, noise_std: f64, measured: &[f64], predicted: &[f64], quiet: usize) -> f64 {
+    if quiet == 0 {
+        return sensor.bias;
+    }
+    let offsets: Vec<f64> = (0..quiet).map(|i| measured[i] - sensor.gain * predicted[i]).collect();
+    let mean = crate::stats::mean(&offsets);
+    // Neighbouring samples of a slow sensor are alike: at most one in ten is taken as independent, and at
+    // least one is.
+    let scatter = crate::stats::std(&offsets).max(noise_std);
+    let independent = (quiet as f64 / 10.0).max(f64::min(quiet as f64, 2.0));
+    let own = scatter * scatter / independent;
+    let common = sensor.bias_spread * sensor.bias_spread;
+    (mean * common + sensor.bias * own) / (common + own)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy::Noise;
+
+    fn sums_of(gain: f64, bias: f64, noise: &mut Noise, run: usize) -> (usize, RunSums) {
+        let mut sums = RunSums::default();
+        for i in 0..2000 {
+            let p = 100.0 * (f64::from(i) * 0.01).sin();
+            sums.add(p, gain * p + bias + 2.0 * noise.normal());
+        }
+        (run, sums)
+    }
+
+    const PRIOR: SensorPrior = SensorPrior { gain_std: 0.01, bias_std: 10.0, run_bias_std: 10.0 };
+
+    #[test]
+    fn gain_and_the_biases_of_runs_are_recovered() {
+        let mut noise = Noise::new(3);
+        let sums = [sums_of(1.012, -3.0, &mut noise, 0), sums_of(1.012, 4.0, &mut noise, 2)];
+        let sensor = solve("force_1_n", 2.0, PRIOR, &sums);
+        // Standard errors: 2 / (71 sqrt(4000)) = 0.00045 of gain, 2 / sqrt(2000) = 0.045 N of bias.
+        assert!((sensor.gain - 1.012).abs() < 0.0015, "{sensor:?}");
+        assert!((sensor.gain_std / 0.00045 - 1.0).abs() < 0.05, "{sensor:?}");
+        assert!((sensor.bias_of(0) + 3.0).abs() < 0.15 && (sensor.bias_of(2) - 4.0).abs() < 0.15);
+        assert!(sensor.bias_spread > 4.0 && !sensor.gain_at_limit);
+    }
+
+    #[test]
+    fn an_impossible_gain_stops_at_its_limit() {
+        let sums = [sums_of(1.5, 2.0, &mut Noise::new(4), 0)];
+        let sensor = solve("force_1_n", 2.0, PRIOR, &sums);
+        assert!(sensor.gain_at_limit && (sensor.gain - 1.03).abs() < 1e-12);
+        let fixed = solve("x_rad", 2.0, SensorPrior { gain_std: 0.0, ..PRIOR }, &sums);
+        assert_eq!(fixed.gain, 1.0);
+        assert!((fixed.bias_of(0) - 2.0).abs() < 3.0);
+    }
+
+    #[test]
+    fn a_held_out_run_takes_its_zero_from_its_quiet_start_where_runs_were_tared_anew() {
+        let mut noise = Noise::new(5);
+        let tared = solve(
+            "f_n",
+            2.0,
+            PRIOR,
+            &[sums_of(1.0, -30.0, &mut noise, 0), sums_of(1.0, 30.0, &mut noise, 1)],
+        );
+        let agreed =
+            solve("f_n", 2.0, PRIOR, &[sums_of(1.0, 1.0, &mut noise, 0), sums_of(1.0, 1.0, &mut noise, 1)]);
+        let mut input = vec![0.0; 400];
+        input[300] = 1.0;
+        let predicted = vec![0.0; 400];
+        let quiet = quiet_start(&input, &predicted, 2.0);
+        assert_eq!(quiet, 301);
+        let measured: Vec<f64> = (0..400).map(|_| 7.0 + 2.0 * noise.normal()).collect();
+        let zero = judge_zero(&tared, 2.0, &measured, &predicted, quiet);
+        assert!((zero - 7.0).abs() < 0.6, "{zero}");
+        let common = judge_zero(&agreed, 2.0, &measured[..2], &predicted[..2], 2);
+        assert!((common - 1.0).abs() < 0.3, "{common}");
+        assert_eq!(judge_zero(&agreed, 2.0, &measured, &predicted, 0), agreed.bias);
+        // A command that never changes excites nothing, and proves nothing about rest.
+        assert_eq!(quiet_start(&predicted, &predicted, 2.0), 0);
+    }
+}
