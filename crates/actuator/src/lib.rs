@@ -5,6 +5,7 @@
 
 pub mod bench;
 pub mod compensator;
+pub mod design;
 pub mod effect;
 mod error;
 pub mod linkage;

@@ -119,6 +119,13 @@ impl ActuatorSpec {
         }
     }
 
+    /// Speed at which the back-EMF equals the supply, m/s (rad/s for a rotary actuator): `r V / K_tau`. An ideal
+    /// motor without load; `None` without a supply.
+    #[must_use]
+    pub fn no_load_speed(&self) -> Option<f64> {
+        self.motor.supply_v.map(|volts| self.ratio() * volts / self.motor.torque_constant_nm_a)
+    }
+
     /// What the spring can bear, with the actuator's rated peak, and the stiffness that the model uses.
     #[must_use]
     pub fn spring_limits(&self) -> SpringLimits {
@@ -201,8 +208,12 @@ impl ActuatorSpec {
         Self::preset(name_or_path)
     }
 
-    /// Checks every number; the field of an error is its path in the file.
-    fn validate(&self) -> Result<(), ActuatorError> {
+    /// Checks every number, for a spec that was changed after reading.
+    ///
+    /// # Errors
+    ///
+    /// [`ActuatorError::Value`] whose field is its path in the file.
+    pub fn validate(&self) -> Result<(), ActuatorError> {
         let within = |table: &'static str| {
             move |error: ActuatorError| match error {
                 ActuatorError::Value { file, line, field, value, admitted } => {

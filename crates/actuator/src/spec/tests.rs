@@ -47,6 +47,14 @@ fn published_table_5_follows_from_the_preset() {
 }
 
 #[test]
+fn published_no_load_speeds_are_just_above_table_2() {
+    // 0.3805 and 0.1997 m/s; Table 2 rates 0.35 and 0.19.
+    let speed = |name| ActuatorSpec::preset(name).expect("preset").no_load_speed().expect("a supply");
+    assert!((speed("saffir-linear") / 0.3805 - 1.0).abs() < 1e-3);
+    assert!((speed("thor-linear") / 0.1997 - 1.0).abs() < 1e-3);
+}
+
+#[test]
 fn a_spring_setting_drops_the_stiffness_measured_at_the_old_one() {
     let compliant = thor().with_spring_setting("compliant").expect("a setting of THOR");
     assert!((compliant.coefficients().stiffness / 371.64e3 - 1.0).abs() < 1e-3);

@@ -45,6 +45,11 @@ pub struct EndLoadedBeam {
 }
 
 impl EndLoadedBeam {
+    /// Pivot distances of the measurements behind eq 2-6, m (section 2-4-2).
+    pub const TEST_PIVOTS_M: [f64; 5] = [0.071, 0.080, 0.088, 0.098, 0.108];
+    /// Magnitudes of the loads of those measurements, N, each both ways (section 2-4-2).
+    pub const TEST_LOADS_N: [f64; 5] = [93.0, 187.0, 280.0, 458.0, 687.0];
+
     /// The beam of SAFFiR with its pivot at `pivot_m`: 125 x 30 x 6 mm of Ti-6Al-4V, pivot 65 to 110 mm
     /// (section 2-4-2).
     #[must_use]

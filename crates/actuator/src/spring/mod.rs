@@ -6,12 +6,14 @@ mod file;
 mod limits;
 mod material;
 mod moment_loaded_beam;
+mod softer_than_designed;
 
 pub use constant::{ConstantSpring, TorsionSpring};
 pub use end_loaded_beam::{BeamLaw, EndLoadedBeam};
 pub use limits::{LimitEvent, LimitKind, LimitWatch, OverLimit, SpringLimits};
 pub use material::Material;
 pub use moment_loaded_beam::{ClampSetting, MomentLoadedBeam};
+pub use softer_than_designed::{Hypothesis, SeriesAndScale, SofterThanDesigned};
 
 use serde::{Deserialize, Serialize};
 
@@ -44,20 +46,21 @@ impl Spring {
         }
     }
 
-    /// The present setting in words: `stiff`, `pivot at 70 mm`, `655000 N/m`.
+    /// The present setting as [`Spring::with_setting`] takes it: `stiff`, `70 mm`, `655000`. Lengths are rounded to
+    /// 0.1 um.
     #[must_use]
     pub fn setting(&self) -> String {
+        // Through a rounded number, so that 70 mm does not read 70.0000.
+        let millimetres = |metres: f64| format!("{} mm", (1e7 * metres).round() * 1e-4);
         match self {
-            Self::Constant(spring) => format!("{} N/m", spring.stiffness_n_m),
-            Self::Torsion(spring) => format!("{} N m/rad", spring.stiffness_nm_rad),
-            Self::EndLoadedBeam(beam) => {
-                format!("pivot at {:.4} mm", 1e3 * beam.pivot_m).replace(".0000", "")
-            }
+            Self::Constant(spring) => spring.stiffness_n_m.to_string(),
+            Self::Torsion(spring) => spring.stiffness_nm_rad.to_string(),
+            Self::EndLoadedBeam(beam) => millimetres(beam.pivot_m),
             Self::MomentLoadedBeam(beam) => match beam.setting {
                 ClampSetting::Compliant => "compliant".to_owned(),
                 ClampSetting::Stiff => "stiff".to_owned(),
                 ClampSetting::LockedOut => "locked-out".to_owned(),
-                ClampSetting::Length(metres) => format!("{:.4} mm free", 1e3 * metres).replace(".0000", ""),
+                ClampSetting::Length(metres) => millimetres(metres),
             },
         }
     }
@@ -276,6 +279,20 @@ mod tests {
         assert!(thor.with_setting("-5mm").is_err());
         assert!(saffir.with_setting("200mm").is_err());
         assert!(saffir.with_setting("NaN").is_err());
+    }
+
+    #[test]
+    fn the_setting_in_words_is_taken_back() {
+        for spring in [
+            Spring::Constant(ConstantSpring { stiffness_n_m: 655e3 }),
+            Spring::EndLoadedBeam(EndLoadedBeam::saffir(0.0701)),
+            Spring::MomentLoadedBeam(MomentLoadedBeam::thor(ClampSetting::LockedOut)),
+            Spring::MomentLoadedBeam(MomentLoadedBeam::thor(ClampSetting::Length(0.08123))),
+        ] {
+            let again = spring.with_setting(&spring.setting()).expect("its own setting");
+            assert!((again.stiffness() / spring.stiffness() - 1.0).abs() < 1e-5, "{}", spring.setting());
+        }
+        assert_eq!(Spring::EndLoadedBeam(EndLoadedBeam::saffir(0.07)).setting(), "70 mm");
     }
 
     #[test]

@@ -58,6 +58,14 @@ pub struct MomentLoadedBeam {
 }
 
 impl MomentLoadedBeam {
+    /// Stiffness measured at the compliant setting, N/m (eq 2-9).
+    pub const MEASURED_COMPLIANT_N_M: f64 = 371_643.0;
+    /// Stiffness measured at the stiff setting, N/m (eq 2-10).
+    pub const MEASURED_STIFF_N_M: f64 = 655_399.0;
+    /// Magnitudes of the loads of those measurements, N, each both ways (section 2-5-1).
+    pub const TEST_LOADS_N: [f64; 11] =
+        [51.0, 104.0, 155.0, 207.0, 255.0, 259.0, 511.0, 767.0, 1023.0, 1278.0, 1543.0];
+
     /// The beam of THOR: 38 x 5 mm of Ti-6Al-4V, 110 or 55 mm free (section 2-5-1). `h` = 33.0 mm follows from
     /// the design stiffnesses 380 and 760 kN/m; series stiffness and scale follow from eq 2-9 and 2-10.
     #[must_use]
