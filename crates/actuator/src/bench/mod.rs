@@ -342,7 +342,10 @@ impl Model for BenchModel {
             _ => 1.0,
         };
         let nominal_stiffness = self.spec.coefficients().stiffness;
-        Ok(channel::sense(&plant, trace, arm_m, nominal_stiffness, &record.time_s, channels))
+        let (start_s, step_s) = (trace.grid.start_s, trace.grid.step_s);
+        let events = self.spec.spring_limits().over_run(start_s, step_s, &trace.force_1);
+        let sensed = channel::sense(&plant, trace, arm_m, nominal_stiffness, &record.time_s, channels);
+        Ok(Prediction { events: events.iter().map(ToString::to_string).collect(), ..sensed })
     }
 
     fn clone_box(&self) -> Box<dyn Model> {

@@ -119,7 +119,9 @@ impl ForceResponse {
         Self::new(c, Link::Fixed, Link::Fixed)
     }
 
-    /// The responses for link 1 and link 2, whichever of them the spring is at.
+    /// The responses for link 1 and link 2 as the dissertation numbers them: the spring is at link 1 (SMH, lumped) or
+    /// at link 2 (SBN). Benches and campaigns call the spring's side link 1 in every configuration:
+    /// [`ForceResponse::new`] takes the sides by name.
     #[must_use]
     pub fn between(c: &Coefficients, link_1: Link, link_2: Link) -> Self {
         if c.configuration == Configuration::SprungBallNut {
@@ -129,13 +131,13 @@ impl ForceResponse {
         }
     }
 
-    /// Force on link 1 per motor force, `F_1/F_m`.
+    /// Force on link 1 per motor force, `F_1/F_m`, in the dissertation's numbering.
     #[must_use]
     pub fn force_1(&self) -> &Transfer {
         if self.spring_at_link_1 { &self.sprung } else { &self.unsprung }
     }
 
-    /// Force on link 2 per motor force, `F_2/F_m`.
+    /// Force on link 2 per motor force, `F_2/F_m`, in the dissertation's numbering.
     #[must_use]
     pub fn force_2(&self) -> &Transfer {
         if self.spring_at_link_1 { &self.unsprung } else { &self.sprung }

@@ -21,6 +21,9 @@ pub enum Kind {
 }
 
 /// On which side of the transmission the spring sits, and whether rotor and sprung mass are told apart.
+///
+/// Link numbers here are the dissertation's drawings'. Benches and campaigns call the spring's side link 1 in every
+/// configuration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Configuration {

@@ -108,6 +108,17 @@ impl SpringLimits {
         passed
     }
 
+    /// The limits that the spring's force passes over a run of equidistant values, each with the time at which it
+    /// was first passed and the worst value.
+    #[must_use]
+    pub fn over_run(self, start_s: f64, step_s: f64, forces: &[f64]) -> Vec<LimitEvent> {
+        let mut watch = LimitWatch::new(self, start_s);
+        for (i, force) in forces.iter().enumerate() {
+            watch.observe(start_s + step_s * i as f64, *force);
+        }
+        watch.events
+    }
+
     /// The smallest force at which [`SpringLimits::check`] finds anything; infinite without limits.
     #[must_use]
     pub fn first_limit(&self) -> f64 {
@@ -187,6 +198,15 @@ mod tests {
         assert_eq!((yielded.time_s, yielded.worst.what), (0.3, LimitKind::YieldStressPa));
         // 463.7 MPa at 2225 N (section 2-5-1), linear in the force.
         assert!((yielded.worst.value / (463.7e6 * 4200.0 / 2225.0) - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_run_of_forces_is_watched_at_its_times() {
+        let limits = Spring::EndLoadedBeam(EndLoadedBeam::saffir(0.110)).limits(Some(1000.0));
+        let events = limits.over_run(2.0, 0.5, &[0.0, 900.0, -1200.0, 1100.0]);
+        assert_eq!(events.len(), 1);
+        assert_eq!((events[0].time_s, events[0].worst.value), (3.0, 1200.0));
+        assert_eq!(events[0].to_string(), "3.0000 s: past the rated force: 1200.0 N, rated 1000.0 N");
     }
 
     #[test]
