@@ -26,6 +26,9 @@ pub enum LegError {
         /// What is wrong.
         fault: RobotFault,
     },
+    /// An actuator's file, its spring setting or its linkage is not usable.
+    #[error(transparent)]
+    Actuator(#[from] sealegs_actuator::ActuatorError),
     /// No robot is embedded under this name, and no file has it.
     #[error("no robot '{name}': neither a file nor one of {}{}", known.join(", "), did_you_mean(suggestion.as_deref()))]
     UnknownRobot {

@@ -86,39 +86,12 @@ pub enum RobotFault {
         /// What is wrong.
         problem: String,
     },
-    /// A placement file is no TOML, or lacks or mistypes a key.
+    /// A value or a choice that does not fit.
     #[error("{0}")]
-    NotToml(String),
-    /// A key that a placement file does not have.
-    #[error("unknown key '{key}'{}", did_you_mean(suggestion.as_deref()))]
-    UnknownKey {
-        /// The key.
-        key: String,
-        /// The nearest known key.
-        suggestion: Option<String>,
-    },
-    /// An actuator that is neither a file nor a preset.
-    #[error("no actuator '{name}': neither a file nor one of {}{}", known.join(", "), did_you_mean(suggestion.as_deref()))]
-    UnknownActuator {
-        /// What was named.
-        name: String,
-        /// The embedded actuators.
-        known: Vec<String>,
-        /// The nearest of them.
-        suggestion: Option<String>,
-    },
-    /// A spring setting that the actuator does not have.
-    #[error("actuator '{actuator}' has no spring setting '{name}', only {}{}", known.join(", "), did_you_mean(suggestion.as_deref()))]
-    UnknownSetting {
-        /// The actuator.
-        actuator: String,
-        /// What was named.
-        name: String,
-        /// The settings that there are.
-        known: Vec<String>,
-        /// The nearest of them.
-        suggestion: Option<String>,
-    },
+    Invalid(String),
+    /// The actuator that is named, or its spring's setting.
+    #[error(transparent)]
+    Actuator(Box<sealegs_actuator::ActuatorError>),
     /// The two attachment points are the same point.
     #[error("both attachment points lie at the same place ({distance_m} m apart)")]
     PointsCoincide {

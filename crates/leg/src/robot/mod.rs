@@ -7,11 +7,20 @@
 
 mod fault;
 mod joint;
+mod kinematics;
 mod link;
+mod load;
+mod mesh;
+mod mirror;
 mod placement;
+mod placement_file;
+mod tree;
+mod urdf;
+mod xml;
 
 pub use fault::RobotFault;
 pub use joint::{Joint, JointKind, JointLimits};
+pub use kinematics::{Lever, Posture};
 pub use link::{Geometry, Inertial, Link, Mesh, Shape};
 pub use placement::{Drive, HoekensMount, LengthRange, Placement};
 
@@ -52,6 +61,18 @@ pub enum Source {
     Text(String),
 }
 
+impl Source {
+    /// What to call the placement file in a message.
+    #[must_use]
+    pub fn placement_name(&self) -> String {
+        match self {
+            Self::Preset(name) => format!("{name}.actuators.toml"),
+            Self::Files { urdf, placement } => placement.as_ref().unwrap_or(urdf).display().to_string(),
+            Self::Text(name) => name.clone(),
+        }
+    }
+}
+
 impl Robot {
     /// The index of the link with this name.
     #[must_use]
@@ -74,6 +95,20 @@ impl Robot {
     /// The joints that move, in the order of their degree of freedom.
     pub fn moving_joints(&self) -> impl Iterator<Item = &Joint> {
         self.joints.iter().filter(|j| j.dof.is_some())
+    }
+
+    /// The joints on the way from one link to the other, in no particular order.
+    #[must_use]
+    pub fn joints_between(&self, link_1: usize, link_2: usize) -> Vec<usize> {
+        // Topological order: the link with the higher index cannot be an ancestor of the other.
+        let (mut a, mut b) = (link_1, link_2);
+        let mut joints = Vec::new();
+        while a != b {
+            let higher = if a > b { &mut a } else { &mut b };
+            joints.push(*higher - 1);
+            *higher = self.joints[*higher - 1].parent;
+        }
+        joints
     }
 
     /// Mass of all links as the URDF states them, kg.

@@ -1,6 +1,8 @@
 //! Where an actuator sits: between which links, from which points, with which linkage and spring setting.
 
 use nalgebra::{Point3, Unit, Vector3};
+use sealegs_actuator::ActuatorSpec;
+use sealegs_actuator::linkage::Hoekens;
 
 /// One actuator on the robot.
 ///
@@ -17,6 +19,8 @@ pub struct Placement {
     /// The name of the spring's setting in the actuator's file, `compliant` for instance. Empty for a rigid
     /// position drive, or where the actuator's own default is meant.
     pub spring_setting: String,
+    /// The actuator itself with its spring at that setting; `None` for a rigid position drive.
+    pub spec: Option<ActuatorSpec>,
     /// Index of link 1, the spring side.
     pub link_1: usize,
     /// Index of link 2, the screw side.
@@ -54,19 +58,15 @@ pub enum Drive {
 /// The linkage's ground belongs to link 1, which also carries the actuator; its crank turns with link 2.
 /// The crank's angle against the middle of its straight range is `psi = psi_0 + sign q`, and the length is
 /// `x = length_mid + travel(psi)` with the tracer's travel along its line, zero in the middle, growing
-/// with `psi`. Both links feel the joint's axial torque `F dx/dq` only: all other linkage forces close inside.
+/// with `psi`. The two links feel the joint's torque `F dx/dq` only: all other forces close in the linkage.
+/// The line from `point_1` along `axis_1` places the actuator for drawing and for the weight of its sprung
+/// mass; where the tracer's line lies against the joint does not enter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HoekensMount {
     /// Index of the joint that the crank turns with.
     pub joint: usize,
-    /// Length of the crank, m; positive.
-    pub crank_m: f64,
-    /// Ground length in cranks.
-    pub ground_ratio: f64,
-    /// Coupler length, and equal to it rocker length, in cranks.
-    pub coupler_ratio: f64,
-    /// Distance of the tracer from the crank pin along the coupler, in cranks.
-    pub tracer_ratio: f64,
+    /// The linkage, from the actuator's file.
+    pub linkage: Hoekens,
     /// Crank angle from the middle of the straight range at joint position zero, rad.
     pub crank_angle_at_zero_rad: f64,
     /// +1 if positive joint motion lengthens the actuator, -1 if it shortens it.
