@@ -29,7 +29,7 @@ pub enum ActuatorError {
         suggestion: Option<String>,
     },
     /// A value that the physics does not admit.
-    #[error("{file}{}: {field} = {value}: must be {admitted}", at_line(.line))]
+    #[error("{}{field} = {value}: must be {admitted}", place(.file, .line))]
     Value {
         /// The file's name; empty for a value that came from no file.
         file: String,
@@ -86,8 +86,13 @@ fn did_you_mean(suggestion: &Option<String>) -> String {
     suggestion.as_ref().map(|s| format!("; did you mean '{s}'?")).unwrap_or_default()
 }
 
-fn at_line(line: &Option<usize>) -> String {
-    line.map(|l| format!(":{l}")).unwrap_or_default()
+/// `file:line: `, `file: `, or nothing for a value that came from no file.
+fn place(file: &str, line: &Option<usize>) -> String {
+    match line {
+        _ if file.is_empty() => String::new(),
+        Some(line) => format!("{file}:{line}: "),
+        None => format!("{file}: "),
+    }
 }
 
 impl ActuatorError {

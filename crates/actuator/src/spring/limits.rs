@@ -21,8 +21,10 @@ pub struct OverLimit {
 pub enum LimitKind {
     /// Bending stress against the yield strength, Pa.
     YieldStressPa,
-    /// Force against the actuator's rated peak, N (N m for a rotary actuator).
+    /// Force against the actuator's rated peak, N.
     RatedForceN,
+    /// Torque against a rotary actuator's rated peak, N m.
+    RatedTorqueNm,
     /// Pivot distance against the range that the mounting and the measured law cover, m.
     PivotRangeM,
     /// Free length against the range between the two settings, m.
@@ -37,6 +39,9 @@ impl fmt::Display for OverLimit {
                 write!(f, "beam past yield: {:.1} MPa, strength {:.1} MPa", 1e-6 * value, 1e-6 * limit)
             }
             LimitKind::RatedForceN => write!(f, "past the rated force: {value:.1} N, rated {limit:.1} N"),
+            LimitKind::RatedTorqueNm => {
+                write!(f, "past the rated torque: {value:.2} N m, rated {limit:.2} N m")
+            }
             LimitKind::PivotRangeM => {
                 write!(f, "pivot out of range: {:.2} mm, limit {:.2} mm", 1e3 * value, 1e3 * limit)
             }
@@ -74,6 +79,8 @@ pub struct SpringLimits {
     pub yield_force: Option<f64>,
     /// Rated peak force of the actuator.
     pub rated_force: Option<f64>,
+    /// Whether forces are torques: a torsion spring.
+    pub torsion: bool,
     /// A setting outside the beam's range, known before anything moves.
     pub static_finding: Option<OverLimit>,
 }
@@ -103,7 +110,8 @@ impl SpringLimits {
         if let Some(limit) = self.rated_force
             && force.abs() > limit
         {
-            passed.push(OverLimit { what: LimitKind::RatedForceN, value: force.abs(), limit });
+            let what = if self.torsion { LimitKind::RatedTorqueNm } else { LimitKind::RatedForceN };
+            passed.push(OverLimit { what, value: force.abs(), limit });
         }
         passed
     }
@@ -180,7 +188,7 @@ impl LimitWatch {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ClampSetting, EndLoadedBeam, MomentLoadedBeam, Spring};
+    use super::super::{ClampSetting, EndLoadedBeam, MomentLoadedBeam, Spring, TorsionSpring};
     use super::*;
 
     #[test]
@@ -216,6 +224,13 @@ mod tests {
         assert!(watch.events()[0].to_string().contains("115.00 mm, limit 110.00 mm"));
         let inside = LimitWatch::new(Spring::EndLoadedBeam(EndLoadedBeam::saffir(0.110)).limits(None), 0.0);
         assert!(inside.events().is_empty());
+    }
+
+    #[test]
+    fn a_torsion_spring_speaks_of_torque() {
+        let limits = Spring::Torsion(TorsionSpring { stiffness_nm_rad: 2500.0 }).limits(Some(35.0));
+        assert_eq!(limits.check(-40.0)[0].to_string(), "past the rated torque: 40.00 N m, rated 35.00 N m");
+        assert!(limits.check(34.0).is_empty());
     }
 
     #[test]

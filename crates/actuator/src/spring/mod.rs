@@ -193,6 +193,7 @@ impl Spring {
             yield_stress_pa: material.map(|m| m.yield_strength_pa),
             yield_force: Some(yield_force).filter(|f| f.is_finite()),
             rated_force,
+            torsion: matches!(self, Self::Torsion(_)),
             static_finding: range_finding,
         }
     }
@@ -276,7 +277,8 @@ mod tests {
 
         let message = thor.with_setting("compliantt").expect_err("misspelt").to_string();
         assert!(message.contains("did you mean 'compliant'?"), "{message}");
-        assert!(thor.with_setting("-5mm").is_err());
+        let negative = thor.with_setting("-5mm").expect_err("negative").to_string();
+        assert_eq!(negative, "spring setting = -5mm: must be positive and finite");
         assert!(saffir.with_setting("200mm").is_err());
         assert!(saffir.with_setting("NaN").is_err());
     }
