@@ -3,7 +3,7 @@
 /// One instant of a run.
 ///
 /// Scalars belong in a recording at about 1 kHz and poses at about 100 Hz, so either part may be left out:
-/// `RecordingWriter::due` says what is wanted when.
+/// [`RecordingWriter::due`](super::RecordingWriter::due) says what is wanted when.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Frame {
     /// Time, s; greater than that of the frame before.
