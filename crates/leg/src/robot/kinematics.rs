@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Unit, Vector3};
 
-use super::{Drive, JointKind, LengthRange, Robot, RobotFault};
+use super::{Drive, Joint, JointKind, LengthRange, Robot, RobotFault};
 use crate::LegError;
 
 /// The pose of every link at given joint positions.
@@ -96,8 +96,18 @@ impl Robot {
                 let p_1 = posture.point(placement.link_1, point_1);
                 let p_2 = posture.point(placement.link_2, point_2);
                 let axis = Unit::new_normalize(p_2 - p_1);
-                self.add_rates(&posture, placement.link_2, &p_2, &axis, 1.0, &mut arms);
-                self.add_rates(&posture, placement.link_1, &p_1, &axis, -1.0, &mut arms);
+                // Each joint between the links moves one of the two ends against the other.
+                let (mut end_1, mut end_2) = (placement.link_1, placement.link_2);
+                while end_1 != end_2 {
+                    // Topological order: the higher index cannot be the ancestor.
+                    let (end, point, sign) =
+                        if end_1 > end_2 { (&mut end_1, &p_1, -1.0) } else { (&mut end_2, &p_2, 1.0) };
+                    let joint = &self.joints[*end - 1];
+                    if let Some(dof) = joint.dof {
+                        arms[dof] = sign * axis.dot(&rate(joint, &posture, point));
+                    }
+                    *end = joint.parent;
+                }
                 (p_2 - p_1).norm()
             }
             Drive::Hoekens(mount) => {
@@ -152,30 +162,14 @@ impl Robot {
         }
         Ok(())
     }
+}
 
-    /// Adds `sign * axis . d point / d q_j` for every joint between the base and the link.
-    fn add_rates(
-        &self,
-        posture: &Posture,
-        link: usize,
-        point: &Point3<f64>,
-        axis: &Unit<Vector3<f64>>,
-        sign: f64,
-        rates: &mut DVector<f64>,
-    ) {
-        let mut at = link;
-        while at > 0 {
-            let joint = &self.joints[at - 1];
-            if let Some(dof) = joint.dof {
-                let world_from_child = &posture.world_from_link[joint.child];
-                let along = world_from_child.rotation * joint.axis.into_inner();
-                let rate = match joint.kind {
-                    JointKind::Prismatic => along,
-                    _ => along.cross(&(point - Point3::from(world_from_child.translation.vector))),
-                };
-                rates[dof] += sign * axis.dot(&rate);
-            }
-            at = joint.parent;
-        }
+/// Velocity in the world of a point behind the joint, per unit of joint speed.
+fn rate(joint: &Joint, posture: &Posture, point: &Point3<f64>) -> Vector3<f64> {
+    let world_from_child = &posture.world_from_link[joint.child];
+    let along = world_from_child.rotation * joint.axis.into_inner();
+    match joint.kind {
+        JointKind::Prismatic => along,
+        _ => along.cross(&(point - Point3::from(world_from_child.translation.vector))),
     }
 }

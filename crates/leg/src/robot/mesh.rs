@@ -64,6 +64,9 @@ fn stl(bytes: &[u8]) -> Result<Triangles, String> {
         bytes[84..].chunks_exact(50).flat_map(|t| t[12..48].chunks_exact(12).map(corner)).collect()
     } else if bytes.trim_ascii_start().starts_with(b"solid") {
         let text = std::str::from_utf8(bytes).map_err(|_| "neither a binary nor a text STL".to_owned())?;
+        if !text.lines().any(|l| l.trim_start().starts_with("endsolid")) {
+            return Err("cut short: there is no 'endsolid'".to_owned());
+        }
         let mut corners = Vec::new();
         for (number, line) in text.lines().enumerate() {
             let mut words = line.split_whitespace();
