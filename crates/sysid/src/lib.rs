@@ -11,11 +11,14 @@
 //!    [`structure`] what they depend on; [`frf`] compares in frequency.
 //! 5. [`check`] says what a campaign can identify at all, before any fit.
 //!
+//! 6. [`diagnose`] screens the effects, fits, selects and judges.
+//!
 //! A model is seen through [`sealegs_model::Model`] only. Whatever is computed in parallel is summed in a
 //! fixed order, so that the same input gives the same bits for any number of threads.
 
 pub mod campaign;
 pub mod data;
+pub mod diagnose;
 mod error;
 pub mod fit;
 pub mod frf;

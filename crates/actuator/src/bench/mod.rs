@@ -275,11 +275,22 @@ impl BenchModel {
     /// Those of [`Model::predict`].
     pub fn simulate(&self, values: &[f64], record: &Record) -> Result<(Plant, Trace), ModelError> {
         let input = channel::input_of(record)?;
+        if record.len() < 2 {
+            return Err(ModelError::BadParameter {
+                name: format!("number of rows of {}", record.name),
+                value: record.len() as f64,
+                admitted: "at least 2",
+            });
+        }
         let plant = self.plant(values, &input.channel)?;
         let grid = Grid::covering(&record.time_s, self.step_s);
-        let lead = self.parameters.iter().position(|p| p.name == "command_lead").map_or(0.0, |i| values[i]);
-        let time_s: Cow<'_, [f64]> = if record.hold == InputHold::ZeroOrder && lead > 0.5 {
-            Cow::Owned(channel::held_until_stamp(&record.time_s))
+        let value =
+            |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
+        let lead = record.hold == InputHold::ZeroOrder && value("command_lead") > 0.5;
+        let span = record.time_s[record.len() - 1] - record.time_s[0];
+        let skew_s = value("clock_skew") * span / (record.len() - 1) as f64;
+        let time_s: Cow<'_, [f64]> = if lead || skew_s != 0.0 {
+            Cow::Owned(channel::command_times(&record.time_s, lead, skew_s))
         } else {
             Cow::Borrowed(&record.time_s)
         };

@@ -1,11 +1,11 @@
-//! Integration in time: implicit midpoint for the linear part, the rest at the predicted midpoint, dry
-//! friction by projection.
+//! Integration in time: the linear part exactly by its exponential, the rest at the predicted midpoint,
+//! dry friction by projection.
 //!
-//! The linear part conserves quadratic energy exactly and is stable at any step; smooth nonlinear forces
+//! A linear plant under a command that is held is integrated exactly at any step; smooth nonlinear forces
 //! make the scheme second order; friction switches within the step (see `Sliding`). The step's matrices
-//! are constant, so a step is two small matrix products.
+//! are constant, so that a step is two small matrix products.
 
-use super::linear::{LinearPart, MOST, Row, inverse};
+use super::linear::{LinearPart, MOST, Propagator, Row};
 use super::{Grid, Link, Plant, Sliding, Trace};
 use sealegs_model::ModelError;
 
@@ -20,25 +20,27 @@ pub(super) fn simulate(plant: &Plant, grid: Grid, commands: &[f64]) -> Result<Tr
     }
 }
 
-/// With `v` the mean velocity of a step, `(2 M/h + C + h K/2) v = 2 M/h v_0 - K q_0 + f`.
 struct Stepper<'a, const N: usize> {
     plant: &'a Plant,
     grid: Grid,
-    /// `S = (2 M/h + C + h K/2)^-1`: mean velocity per force.
-    mobility: [[f64; N]; N],
-    /// `S 2 M/h`.
-    from_velocity: [[f64; N]; N],
-    /// `-S K`.
-    from_position: [[f64; N]; N],
+    propagator: Propagator<N>,
     deflection: [f64; N],
     sprung: [f64; N],
-    /// `S` times the gradient of the deflection.
-    spring_mobility: [f64; N],
+    /// Change of position and of velocity over a step per newton in the spring beyond its linear law.
+    by_spring: ([f64; N], [f64; N]),
     link_1: Option<usize>,
     link_2: Option<usize>,
     screw_end: Option<usize>,
+    /// Coordinate, weight force and arm of a pendulum.
     gravity: Option<(usize, f64, f64)>,
     has_rotor_friction: bool,
+}
+
+/// Position and velocity at the end of a step.
+#[derive(Clone, Copy)]
+struct Motion<const N: usize> {
+    position: [f64; N],
+    velocity: [f64; N],
 }
 
 #[derive(Clone, Copy)]
@@ -67,25 +69,12 @@ fn times<const N: usize>(a: &[[f64; N]; N], b: &[f64; N]) -> [f64; N] {
 
 impl<'a, const N: usize> Stepper<'a, N> {
     fn new(plant: &'a Plant, linear: &LinearPart, grid: Grid) -> Result<Self, ModelError> {
-        let h = grid.step_s;
-        let mut system = [[0.0; MOST]; MOST];
-        for i in 0..MOST {
-            for j in 0..MOST {
-                system[i][j] =
-                    2.0 / h * linear.mass[i][j] + linear.damping[i][j] + 0.5 * h * linear.stiffness[i][j];
-            }
-        }
-        let mobility = inverse::<N>(&system).ok_or(ModelError::BadParameter {
+        let propagator = linear.propagator::<N>(grid.step_s).ok_or(ModelError::BadParameter {
             name: "reflected_inertia".to_owned(),
             value: plant.reflected_inertia,
-            admitted: "positive and finite, together with the stiffness",
+            admitted: "positive and finite",
         })?;
         let cut = |row: &Row| -> [f64; N] { std::array::from_fn(|i| row[i]) };
-        let product = |matrix: &[Row; MOST], factor: f64| -> [[f64; N]; N] {
-            std::array::from_fn(|i| {
-                std::array::from_fn(|j| factor * (0..N).map(|k| mobility[i][k] * matrix[k][j]).sum::<f64>())
-            })
-        };
         let deflection = cut(&linear.deflection);
         let at = linear.coordinates;
         let gravity = match (plant.link_2, at.link_2) {
@@ -98,12 +87,13 @@ impl<'a, const N: usize> Stepper<'a, N> {
         Ok(Self {
             plant,
             grid,
-            mobility,
-            from_velocity: product(&linear.mass, 2.0 / h),
-            from_position: product(&linear.stiffness, -1.0),
+            by_spring: (
+                times(&propagator.by_force.0, &deflection),
+                times(&propagator.by_force.1, &deflection),
+            ),
+            propagator,
             deflection,
             sprung: cut(&linear.sprung),
-            spring_mobility: times(&mobility, &deflection),
             link_1: at.link_1,
             link_2: at.link_2,
             screw_end: at.screw_end,
@@ -162,22 +152,21 @@ impl<'a, const N: usize> Stepper<'a, N> {
             on_rotor += force.force(y_mid, v[0], load, t_mid);
         }
 
-        let mut mean = times(&self.from_velocity, v);
-        let by_position = times(&self.from_position, q);
+        let p = &self.propagator;
+        let mut after = Motion { position: [0.0; N], velocity: [0.0; N] };
         for i in 0..N {
-            mean[i] += by_position[i] + self.mobility[i][0] * on_rotor;
+            after.position[i] = dot(&p.position_from.0[i], q) + dot(&p.position_from.1[i], v);
+            after.velocity[i] = dot(&p.velocity_from.0[i], q) + dot(&p.velocity_from.1[i], v);
         }
+        self.push(&mut after, 0, on_rotor);
         if let Some((i, weight_force, arm)) = self.gravity {
             // What linear stiffness leaves out of the pendulum's gravity.
             let angle = (q[i] + 0.5 * h * v[i]) / arm;
-            let force = weight_force * (angle - angle.sin());
-            for j in 0..N {
-                mean[j] += self.mobility[j][i] * force;
-            }
+            self.push(&mut after, i, weight_force * (angle - angle.sin()));
         }
 
         if plant.spring_is_linear() {
-            return self.finish(from, mean, load);
+            return self.finish(from, after, load);
         }
         // The spring's departure from its linear law at the predicted midpoint, then once more at the
         // midpoint that follows from it.
@@ -191,9 +180,10 @@ impl<'a, const N: usize> Stepper<'a, N> {
             if let Some(element) = plant.spring_slip {
                 departure += element.advance(from.spring_slip, 0.5 * h * rate);
             }
-            let mut with_spring = mean;
+            let mut with_spring = after;
             for i in 0..N {
-                with_spring[i] -= self.spring_mobility[i] * departure;
+                with_spring.position[i] -= self.by_spring.0[i] * departure;
+                with_spring.velocity[i] -= self.by_spring.1[i] * departure;
             }
             next = self.finish(from, with_spring, load);
             rate = (dot(&self.deflection, &next.position) - delta) / h;
@@ -204,69 +194,77 @@ impl<'a, const N: usize> Stepper<'a, N> {
         next
     }
 
-    /// Adds the dry friction to the mean velocity without it and advances the state.
+    /// Adds what a force on one coordinate does over a step, N.
     #[inline(always)]
-    fn finish(&self, from: &State<N>, mut mean: [f64; N], load: f64) -> State<N> {
+    fn push(&self, after: &mut Motion<N>, coordinate: usize, force: f64) {
+        for j in 0..N {
+            after.position[j] += self.propagator.by_force.0[j][coordinate] * force;
+            after.velocity[j] += self.propagator.by_force.1[j][coordinate] * force;
+        }
+    }
+
+    /// Adds the dry friction to the motion without it and advances the state.
+    #[inline(always)]
+    fn finish(&self, from: &State<N>, free: Motion<N>, load: f64) -> State<N> {
         let (h, plant) = (self.grid.step_s, self.plant);
-        let v = &from.velocity;
+        let (q, v) = (&from.position, &from.velocity);
+        let (to_position, to_velocity) = &self.propagator.by_force;
         let output = self.link_2.filter(|_| plant.output_friction > 0.0);
         let presliding = plant.rotor_presliding;
         let frictions = usize::from(self.has_rotor_friction)
             + usize::from(output.is_some())
             + usize::from(presliding.is_some());
+        let mut after = free;
         if frictions > 0 {
-            let free = mean;
-            let w = self.mobility[0][0];
             let (mut dry, mut elastic, mut on_output) = (0.0, 0.0, 0.0);
-            // Each friction shifts the velocity that the others see: they are found in turn. Within one
+            // Each friction shifts the motion that the others see: they are found in turn. Within one
             // step the coupling is weak, so that a few sweeps settle it.
             for _ in 0..(if frictions == 1 { 1 } else { 4 }) {
-                let by_output = output.map_or(0.0, |i| self.mobility[0][i] * on_output);
                 if let Some(element) = presliding {
-                    // The element's force at the middle of the step, linear in the mean velocity.
-                    let half = 0.5 * h * element.stiffness;
-                    let rotor = free[0] + w * dry + by_output;
-                    elastic = -((from.presliding + half * rotor) / (1.0 + half * w))
+                    // The element's mean force, linear in the travel over the step.
+                    let others = free.position[0] - q[0]
+                        + to_position[0][0] * dry
+                        + output.map_or(0.0, |i| to_position[0][i] * on_output);
+                    let half = 0.5 * element.stiffness;
+                    elastic = -((from.presliding + half * others) / (1.0 + half * to_position[0][0]))
                         .clamp(-element.bound, element.bound);
                 }
                 if self.has_rotor_friction {
-                    let rotor = free[0] + w * elastic + by_output;
-                    let sliding = Sliding { before: v[0], after_free: 2.0 * rotor - v[0], mobility: 2.0 * w };
+                    let others =
+                        to_velocity[0][0] * elastic + output.map_or(0.0, |i| to_velocity[0][i] * on_output);
+                    let sliding = Sliding {
+                        before: v[0],
+                        after_free: free.velocity[0] + others,
+                        mobility: to_velocity[0][0],
+                    };
                     dry = sliding
                         .mean_force(|speed, direction| plant.rotor_friction_bound(speed, direction, load));
                 }
                 if let Some(i) = output {
-                    let there = free[i] + self.mobility[i][0] * (dry + elastic);
                     let sliding = Sliding {
                         before: v[i],
-                        after_free: 2.0 * there - v[i],
-                        mobility: 2.0 * self.mobility[i][i],
+                        after_free: free.velocity[i] + to_velocity[i][0] * (dry + elastic),
+                        mobility: to_velocity[i][i],
                     };
                     on_output = sliding.mean_force(|_, _| plant.output_friction);
                 }
             }
-            for j in 0..N {
-                mean[j] = free[j] + self.mobility[j][0] * (dry + elastic);
-                if let Some(i) = output {
-                    mean[j] += self.mobility[j][i] * on_output;
-                }
+            self.push(&mut after, 0, dry + elastic);
+            if let Some(i) = output {
+                self.push(&mut after, i, on_output);
             }
         }
         let mut next = *from;
-        for i in 0..N {
-            next.velocity[i] = 2.0 * mean[i] - v[i];
-        }
+        next.position = after.position;
+        next.velocity = after.velocity;
         if self.has_rotor_friction {
-            settle(&mut next.velocity[0], v[0], &mut mean[0]);
+            settle(&mut next, from, 0);
         }
         if let Some(i) = output {
-            settle(&mut next.velocity[i], v[i], &mut mean[i]);
-        }
-        for i in 0..N {
-            next.position[i] += h * mean[i];
+            settle(&mut next, from, i);
         }
         if let Some(element) = presliding {
-            next.presliding = element.advance(from.presliding, h * mean[0]);
+            next.presliding = element.advance(from.presliding, next.position[0] - q[0]);
         }
         next.sprung_acceleration = (dot(&self.sprung, &next.velocity) - dot(&self.sprung, v)) / h;
         next
@@ -306,9 +304,12 @@ impl<'a, const N: usize> Stepper<'a, N> {
 
 /// A velocity that friction has brought to rest up to rounding is rest, and what was at rest and stays so
 /// has not moved: sticking is exact.
-fn settle(after: &mut f64, before: f64, mean: &mut f64) {
-    if after.abs() <= 1e-12 * (before.abs() + mean.abs()) || (before == 0.0 && after.abs() < 1e-18) {
-        *after = 0.0;
-        *mean = 0.5 * before;
+fn settle<const N: usize>(next: &mut State<N>, from: &State<N>, i: usize) {
+    let size = from.velocity[i].abs() + (next.position[i] - from.position[i]).abs();
+    if next.velocity[i].abs() <= 1e-12 * size || next.velocity[i].abs() < 1e-18 {
+        next.velocity[i] = 0.0;
+        if from.velocity[i] == 0.0 {
+            next.position[i] = from.position[i];
+        }
     }
 }

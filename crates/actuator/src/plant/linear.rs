@@ -132,9 +132,94 @@ fn add_product(matrix: &mut [Row; MOST], factor: f64, left: &Row, right: &Row) {
     }
 }
 
+/// What a step of length `h` does: exact for the linear part and forces that are constant over the step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Propagator<const N: usize> {
+    /// Position after a step from position and from velocity.
+    pub position_from: ([[f64; N]; N], [[f64; N]; N]),
+    /// Velocity after a step from position and from velocity.
+    pub velocity_from: ([[f64; N]; N], [[f64; N]; N]),
+    /// Change of position and of velocity per force.
+    pub by_force: ([[f64; N]; N], [[f64; N]; N]),
+}
+
+/// Size of the matrix whose exponential holds a step: position, velocity, force.
+const AUGMENTED: usize = 3 * MOST;
+type Augmented = [[f64; AUGMENTED]; AUGMENTED];
+
+impl LinearPart {
+    /// The propagator over a step, or `None` if the mass matrix is singular.
+    ///
+    /// The exponential of `h [[0, 1, 0], [-M^-1 K, -M^-1 C, M^-1], [0, 0, 0]]` by its Taylor series after
+    /// scaling, squared back (C. Van Loan 1978, IEEE Trans. Automatic Control 23(3), for the force block).
+    pub fn propagator<const N: usize>(&self, h: f64) -> Option<Propagator<N>> {
+        let inverse = inverse::<N>(&self.mass)?;
+        let mut a = [[0.0; AUGMENTED]; AUGMENTED];
+        for i in 0..N {
+            a[i][N + i] = h;
+            for j in 0..N {
+                for k in 0..N {
+                    a[N + i][j] -= h * inverse[i][k] * self.stiffness[k][j];
+                    a[N + i][N + j] -= h * inverse[i][k] * self.damping[k][j];
+                }
+                a[N + i][2 * N + j] = h * inverse[i][j];
+            }
+        }
+        let e = exponential(&a, 3 * N);
+        let block = |row: usize, column: usize| -> [[f64; N]; N] {
+            std::array::from_fn(|i| std::array::from_fn(|j| e[row * N + i][column * N + j]))
+        };
+        Some(Propagator {
+            position_from: (block(0, 0), block(0, 1)),
+            velocity_from: (block(1, 0), block(1, 1)),
+            by_force: (block(0, 2), block(1, 2)),
+        })
+    }
+}
+
+/// The exponential of the leading `n` x `n` block.
+fn exponential(a: &Augmented, n: usize) -> Augmented {
+    let product = |x: &Augmented, y: &Augmented| {
+        let mut z = [[0.0; AUGMENTED]; AUGMENTED];
+        for i in 0..n {
+            for k in 0..n {
+                for j in 0..n {
+                    z[i][j] += x[i][k] * y[k][j];
+                }
+            }
+        }
+        z
+    };
+    let norm = (0..n).map(|i| a[i][..n].iter().map(|v| v.abs()).sum::<f64>()).fold(0.0, f64::max);
+    let squarings = if norm.is_finite() { (norm / 0.25).log2().ceil().clamp(0.0, 60.0) as i32 } else { 0 };
+    let scale = 0.5_f64.powi(squarings);
+    let mut scaled = *a;
+    scaled.iter_mut().flatten().for_each(|v| *v *= scale);
+    let mut sum = [[0.0; AUGMENTED]; AUGMENTED];
+    let mut term = sum;
+    for i in 0..n {
+        sum[i][i] = 1.0;
+        term[i][i] = 1.0;
+    }
+    // 0.25^13 / 13! is below the rounding of 1.
+    for order in 1..=13 {
+        term = product(&term, &scaled);
+        term.iter_mut().flatten().for_each(|v| *v /= f64::from(order));
+        for i in 0..n {
+            for j in 0..n {
+                sum[i][j] += term[i][j];
+            }
+        }
+    }
+    for _ in 0..squarings {
+        sum = product(&sum, &sum);
+    }
+    sum
+}
+
 /// The inverse of the leading N x N block by Gauss-Jordan elimination with partial pivoting, or `None` if
 /// it is singular.
-pub(super) fn inverse<const N: usize>(matrix: &[Row; MOST]) -> Option<[[f64; N]; N]> {
+fn inverse<const N: usize>(matrix: &[Row; MOST]) -> Option<[[f64; N]; N]> {
     let mut a: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j]));
     let mut inverse: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));

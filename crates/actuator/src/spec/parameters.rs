@@ -9,7 +9,7 @@ use crate::text::nearest;
 
 /// Name, unit of a linear actuator and unit of a rotary one, in the order of
 /// [`ActuatorSpec::base_parameters`].
-pub const BASE_PARAMETERS: [(&str, &str, &str); 9] = [
+pub const BASE_PARAMETERS: [(&str, &str, &str); 10] = [
     ("stiffness", "N/m", "N m/rad"),
     ("reflected_inertia", "kg", "kg m^2"),
     ("damping", "N s/m", "N m s/rad"),
@@ -19,6 +19,7 @@ pub const BASE_PARAMETERS: [(&str, &str, &str); 9] = [
     ("travel_per_rad", "m/rad", ""),
     ("input_offset", "", ""),
     ("command_lead", "samples", "samples"),
+    ("clock_skew", "samples", "samples"),
 ];
 
 /// What is known of a base parameter beside what the physics gives: `[parameters.<name>]`.
@@ -49,6 +50,9 @@ pub struct ParameterSpec {
     pub scale: Option<Scale>,
 }
 
+/// Greatest skew between the clocks of command and sensors, in sampling periods: 20 us at 1 kHz.
+const CLOCK_SKEW: f64 = 0.02;
+
 /// Without `min` and `max`: this far from the nominal value, as ratios.
 const BOUNDS_LINEAR: (f64, f64) = (0.5, 1.5);
 /// The same for a quantity of which only the order of magnitude is guessed.
@@ -62,6 +66,7 @@ impl ActuatorSpec {
     /// or torque. `input_offset` is a constant beside the command, in its unit. `command_lead` is a choice
     /// between 0 (a row's command is in force from its time stamp on, the sensors are read before it acts) and
     /// 1 (it was in force during the period that ends at the time stamp); both are tried in a fit.
+    /// `clock_skew` is a small lateness of the command against the sensors, in sampling periods.
     #[must_use]
     pub fn base_parameters(&self) -> Vec<Parameter> {
         let c = self.coefficients();
@@ -78,6 +83,7 @@ impl ActuatorSpec {
             said("travel_per_rad", self.ratio()),
             said("input_offset", 0.0),
             said("command_lead", 0.0),
+            said("clock_skew", 0.0),
         ];
         BASE_PARAMETERS
             .into_iter()
@@ -112,6 +118,12 @@ fn parameter(name: &str, unit: &str, value: f64, said: Option<&ParameterSpec>) -
     parameter.prior_std = known.std.or(known.tolerance.map(|t| t * value)).filter(|s| *s > 0.0);
     parameter.fixed = known.fixed.unwrap_or(usually_fixed && said.is_none_or(|s| *s == value_only(s)));
     parameter.scale = scale;
+    if name == "clock_skew" {
+        // Two clocks never agree to better than this; anything longer is a delay, and an effect.
+        (parameter.min, parameter.max, parameter.typical) = (-CLOCK_SKEW, CLOCK_SKEW, 0.1 * CLOCK_SKEW);
+        parameter.prior_std = parameter.prior_std.or(Some(0.5 * CLOCK_SKEW));
+        return parameter;
+    }
     if name == "command_lead" {
         // A choice, not a quantity: was a row stamped when its command began or when it ended?
         parameter.max = 1.0;
@@ -149,7 +161,7 @@ pub(super) fn validate(spec: &ActuatorSpec) -> Result<(), ActuatorError> {
             }
             _ => Ok(()),
         };
-        if name == "input_offset" {
+        if matches!(name.as_str(), "input_offset" | "clock_skew") {
             check("value", said.value, |_| true, "finite")?;
         } else if matches!(name.as_str(), "damping" | "sprung_mass" | "command_lead") {
             check("value", said.value, |v| v >= 0.0, "zero or positive, and finite")?;
@@ -158,7 +170,7 @@ pub(super) fn validate(spec: &ActuatorSpec) -> Result<(), ActuatorError> {
         }
         check("tolerance", said.tolerance, |v| v >= 0.0, "zero or positive, and finite")?;
         check("std", said.std, |v| v >= 0.0, "zero or positive, and finite")?;
-        let signed = name == "input_offset";
+        let signed = matches!(name.as_str(), "input_offset" | "clock_skew");
         let least: fn(f64) -> bool = if signed { |_| true } else { |v| v >= 0.0 };
         check("min", said.min, least, if signed { "finite" } else { "zero or positive, and finite" })?;
         check("max", said.max, |v| v > 0.0, "positive and finite")?;
@@ -173,6 +185,9 @@ pub(super) fn validate(spec: &ActuatorSpec) -> Result<(), ActuatorError> {
                 "logarithmic",
                 "linear for a value of zero",
             ));
+        }
+        if !p.value.is_finite() {
+            return Err(ActuatorError::value(format!("parameters.{}", p.name), p.value, "finite"));
         }
         if !(p.min <= p.value && p.value <= p.max) {
             return Err(ActuatorError::value(

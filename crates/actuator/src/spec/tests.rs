@@ -82,7 +82,7 @@ fn base_parameters_carry_units_priors_and_bounds() {
 
     let rotary = ActuatorSpec::preset("rmd-x8-rotary-sea").expect("preset");
     let parameters = rotary.base_parameters();
-    assert_eq!(parameters.len(), 7);
+    assert_eq!(parameters.len(), 8);
     assert_eq!((parameters[0].unit.as_str(), parameters[0].value), ("N m/rad", 2500.0));
     assert_eq!((parameters[1].scale, parameters[1].prior_std), (Scale::Logarithmic, None));
     assert!((parameters[3].value - 1.393).abs() < 1e-4);
@@ -149,6 +149,8 @@ fn bad_values_name_file_line_and_field() {
         let message = message(from, to);
         assert!(message.starts_with(&format!("mine.toml:{line}: {field} = ")), "{message}");
     }
+    let overflow = message("screw_lead_m = 0.002", "screw_lead_m = 1e-300");
+    assert!(overflow.contains("parameters.reflected_inertia = inf: must be finite"), "{overflow}");
     let kind = message("kind = \"linear\"", "kind = \"rotary\"");
     assert!(kind.contains("mine.toml"), "{kind}");
     let parameter = message("[parameters.stiffness]", "[parameters.stifness]");
@@ -178,4 +180,31 @@ fn an_existing_path_goes_before_a_preset() {
     let loaded = ActuatorSpec::load("thor-linear", Some(folder.path())).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(loaded, mine);
     assert_eq!(ActuatorSpec::load("thor-linear", None).unwrap_or_else(|e| panic!("{e}")), thor());
+}
+
+#[test]
+fn every_line_of_a_preset_may_be_spoilt_without_a_panic() {
+    for name in ActuatorSpec::preset_names() {
+        let text = ActuatorSpec::preset_text(name).expect("preset");
+        let lines: Vec<&str> = text.lines().collect();
+        for (i, line) in lines.iter().enumerate() {
+            let key = line.split('=').next().unwrap_or_default().trim();
+            let values = ["nan", "-1", "0", "1e400", "\"text\"", "{ value = 1 }", "[1]", "true", ""];
+            for spoilt in values.map(|v| format!("{key} = {v}")).into_iter().chain([String::new()]) {
+                let mut changed: Vec<&str> = lines.clone();
+                changed[i] = &spoilt;
+                match ActuatorSpec::from_toml(&changed.join("\n"), "spoilt.toml") {
+                    // What is still admitted is an actuator that can be used.
+                    Ok(spec) => {
+                        let c = spec.coefficients();
+                        assert!(c.stiffness > 0.0 && c.stiffness.is_finite(), "{line} -> {spoilt}");
+                        assert!(c.total_mass() > 0.0 && c.total_mass().is_finite(), "{line} -> {spoilt}");
+                        assert!(c.force_constant.is_finite() && c.damping >= 0.0, "{line} -> {spoilt}");
+                        assert!(ActuatorSpec::from_toml(&spec.to_toml(), "again.toml").is_ok());
+                    }
+                    Err(error) => assert!(error.to_string().starts_with("spoilt.toml:"), "{error}"),
+                }
+            }
+        }
+    }
 }

@@ -169,12 +169,48 @@ impl Fit {
     }
 }
 
-/// Fits a model's free parameters to the data.
+/// Fits a model's free parameters to the data. Without a given start every discrete choice that the model
+/// leaves (a fixed parameter with `starts`) is tried, and the one of lowest cost is kept.
 ///
 /// # Errors
 ///
 /// [`Error::NoStart`] if no starting point can be simulated.
 pub fn fit(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit, Error> {
+    if options.start.is_some() {
+        return fit_from(data, model, options);
+    }
+    let mut best: Option<Fit> = None;
+    for start in choices(model) {
+        let fitted = fit_from(data, model, &FitOptions { start: Some(start), ..options.clone() })?;
+        // The first of equals: the order of the choices decides and nothing else.
+        if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
+            best = Some(fitted);
+        }
+    }
+    best.map_or_else(|| fit_from(data, model, options), Ok)
+}
+
+/// The nominal values with every combination of the model's discrete choices.
+#[must_use]
+pub fn choices(model: &dyn Model) -> Vec<Vec<f64>> {
+    let mut all = vec![model.parameters().iter().map(|p| p.value).collect::<Vec<f64>>()];
+    for (i, p) in model.parameters().iter().enumerate().filter(|(_, p)| p.fixed && !p.starts.is_empty()) {
+        all = p
+            .starts
+            .iter()
+            .flat_map(|&choice| {
+                all.iter().map(move |values| {
+                    let mut values = values.clone();
+                    values[i] = choice;
+                    values
+                })
+            })
+            .collect();
+    }
+    all
+}
+
+fn fit_from(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit, Error> {
     let before = data.work();
     let coordinates = Coordinates::new(model.parameters());
     let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();

@@ -1,0 +1,132 @@
+//! Which physical effect is missing: screen every effect, fit the promising sets, select by
+//! cross-validation inside the fit runs, judge once on the holdout runs.
+//!
+//! The walk: the base model is refitted first ([`crate::fit`]), so that a wrong value is never taken for a
+//! missing effect. Effects are screened beside it ([`screen`]), the promising ones fitted together with
+//! the base parameters ([`Candidate`]), sets grown, pruned and compared ([`search`]); the verdict follows
+//! from the holdout runs ([`verdict`]), which nothing before it has looked at.
+
+mod candidate;
+mod compare;
+mod screen;
+mod search;
+mod verdict;
+
+pub use candidate::{Candidate, Validation, values_by_name, with_effects};
+pub use compare::clearly_better;
+pub use screen::{Promise, screen};
+pub use search::Found;
+pub use verdict::{Judged, Verdict, VerdictKind};
+
+use crate::data::Data;
+use crate::fit::FitOptions;
+use crate::{Campaign, Error, Role, fit};
+use sealegs_model::{Excitation, Model};
+
+/// How thorough a diagnosis is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Largest set of effects.
+    pub most_effects: usize,
+    /// Starting values of each effect that are simulated beside the base model.
+    pub starts: usize,
+    /// The same beside a model with effects.
+    pub starts_later: usize,
+    /// Starting values of a set that are fitted.
+    pub starts_fitted: usize,
+    /// Single effects that are fitted.
+    pub shortlist: usize,
+    /// Sets that are fitted at every further size.
+    pub shortlist_later: usize,
+    /// Single effects that pairs grow from.
+    pub beam_first: usize,
+    /// Sets that further sizes grow from.
+    pub beam: usize,
+    /// Noise floor in noise units; what repeats of a run leave between them, if that is more than 1.
+    pub floor: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            most_effects: 6,
+            starts: 200,
+            starts_later: 60,
+            starts_fitted: 2,
+            shortlist: 12,
+            shortlist_later: 8,
+            beam_first: 4,
+            beam: 2,
+            floor: 1.0,
+        }
+    }
+}
+
+/// What a diagnosis is doing, for a progress bar.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Progress {
+    /// The base model's own parameters are refitted.
+    Base,
+    /// Every effect is simulated beside a set.
+    Screening {
+        /// The set.
+        beside: Vec<String>,
+    },
+    /// Sets are fitted.
+    Fitting {
+        /// The sets.
+        sets: Vec<Vec<String>>,
+    },
+    /// The holdout runs judge.
+    Judging,
+}
+
+/// The outcome of a diagnosis.
+#[derive(Debug)]
+pub struct Diagnosis {
+    /// The verdict with its numbers.
+    pub verdict: Verdict,
+    /// Everything that was fitted.
+    pub found: Found,
+    /// What the fit runs measured and how hard they drove the model.
+    pub seen: Excitation,
+    /// Simulations done.
+    pub simulations: u64,
+    /// Seconds of experiment that they covered.
+    pub simulated_s: f64,
+}
+
+/// Diagnoses a campaign with a base model.
+///
+/// # Errors
+///
+/// [`Error::NoRun`] if fit or holdout runs are missing, or what the base model's fit returns.
+pub fn diagnose(
+    campaign: &Campaign,
+    base: &dyn Model,
+    options: &Options,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Diagnosis, Error> {
+    let data = Data::new(campaign, Some(Role::Fit), base)?;
+    let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
+    progress(Progress::Base);
+    let base_fit = fit::fit(&data, base, &FitOptions::default())?;
+    let seen = data.excitation(&base_fit.evaluation.predictions);
+    let admitted: Vec<String> = base.effects(&seen).into_iter().map(|c| c.id).collect();
+    let first = Candidate::of_base(base, base_fit);
+    let search = search::Search {
+        data: &data,
+        base,
+        seen: &seen,
+        admitted,
+        options,
+        floor: options.floor,
+        tried: vec![first],
+        progress,
+    };
+    let found = search.run();
+    progress(Progress::Judging);
+    let verdict = verdict::judge(&holdout, &found, options.floor)?;
+    let (a, b) = (data.work(), holdout.work());
+    Ok(Diagnosis { verdict, found, seen, simulations: a.0 + b.0, simulated_s: a.1 + b.1 })
+}

@@ -1,0 +1,157 @@
+//! Screening: what every effect would gain beside a fitted model, from a few simulations each.
+//!
+//! An effect at one of its starting values makes a difference to the prediction, its signature. What the
+//! base parameters and the sensors can do in its place is projected out, and the residual is regressed on
+//! what is left: the fall of the cost that the best amplitude would bring. This is a first opinion that
+//! decides what is fitted, nothing more.
+
+use super::Candidate;
+use crate::data::Data;
+use crate::fit::Signatures;
+use rayon::prelude::*;
+use sealegs_model::{EffectCard, Excitation, Model, Parameter, Prediction, Scale};
+
+/// Signatures that are taken together: bounds the memory that they need.
+const TOGETHER: usize = 8;
+
+/// How far an amplitude is trusted beyond the value that was simulated.
+const FARTHEST: f64 = 3.0;
+
+/// What screening found of one effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Promise {
+    /// The effect's id.
+    pub effect: String,
+    /// Predicted fall of the cost.
+    pub drop: f64,
+    /// The starting values of the effect's parameters, by full name, that promised most, best first.
+    pub starts: Vec<Vec<(String, f64)>>,
+}
+
+/// Screens effects beside a candidate. `starts_of` says which starting values of an effect to try.
+///
+/// The result is in the order of `cards`; an effect that cannot be simulated promises nothing.
+pub fn screen(
+    data: &Data,
+    beside: &Candidate,
+    seen: &Excitation,
+    cards: &[EffectCard],
+    most_starts: usize,
+) -> Vec<Promise> {
+    let jobs: Vec<(usize, Vec<f64>)> = cards
+        .iter()
+        .enumerate()
+        .flat_map(|(c, card)| combinations(&card.parameters, most_starts).into_iter().map(move |s| (c, s)))
+        .collect();
+    let mut found: Vec<Vec<(f64, Vec<f64>)>> = vec![Vec::new(); cards.len()];
+    for chunk in jobs.chunks(TOGETHER) {
+        let predicted: Vec<Option<Vec<Prediction>>> = chunk
+            .par_iter()
+            .map(|(c, start)| {
+                let model = beside.model.with_effect(&cards[*c].id, seen).ok()?;
+                let mut values = beside.fit.values.clone();
+                values.extend_from_slice(start);
+                data.predict(model.as_ref(), &values).ok()
+            })
+            .collect();
+        let there: Vec<usize> = (0..chunk.len()).filter(|&i| predicted[i].is_some()).collect();
+        let columns: Vec<&[Prediction]> = predicted.iter().flatten().map(Vec::as_slice).collect();
+        if columns.is_empty() {
+            continue;
+        }
+        let signatures = Signatures::new(data, &beside.fit, &columns);
+        for (column, &job) in there.iter().enumerate() {
+            let (c, start) = &chunk[job];
+            let (stiffness, slope) = (signatures.gram[(column, column)], signatures.gradient[column]);
+            if stiffness <= 0.0 || !stiffness.is_finite() {
+                continue;
+            }
+            let both_ways = cards[*c].parameters.iter().any(|p| is_amplitude(p) && p.min < 0.0);
+            let least = if both_ways { -FARTHEST } else { 0.0 };
+            let amplitude = if cards[*c].parameters.iter().any(is_amplitude) {
+                (-slope / stiffness).clamp(least, FARTHEST)
+            } else {
+                1.0
+            };
+            let drop = -(slope * amplitude + 0.5 * stiffness * amplitude * amplitude);
+            found[*c].push((drop, scaled(&cards[*c].parameters, start, amplitude)));
+        }
+    }
+    cards
+        .iter()
+        .zip(found)
+        .map(|(card, mut tried)| {
+            tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let name = |p: &Parameter| format!("{}.{}", card.id, p.name);
+            Promise {
+                effect: card.id.clone(),
+                drop: tried.first().map_or(0.0, |t| t.0),
+                starts: tried
+                    .into_iter()
+                    .map(|(_, s)| card.parameters.iter().zip(s).map(|(p, v)| (name(p), v)).collect())
+                    .collect(),
+            }
+        })
+        .collect()
+}
+
+/// Whether the effect vanishes in proportion to this parameter.
+fn is_amplitude(p: &Parameter) -> bool {
+    p.neutral == Some(0.0) && !p.fixed && p.scale == Scale::Linear
+}
+
+/// A start moved along its amplitude, but not so close to nothing that a search would not leave it.
+fn scaled(parameters: &[Parameter], start: &[f64], amplitude: f64) -> Vec<f64> {
+    let factor = if amplitude.abs() < 0.2 { 0.2_f64.copysign(amplitude) } else { amplitude };
+    parameters
+        .iter()
+        .zip(start)
+        .map(|(p, v)| if is_amplitude(p) { (v * factor).clamp(p.min, p.max) } else { *v })
+        .collect()
+}
+
+/// Every combination of guess and starts of each free parameter, the guesses first, `most` at most.
+fn combinations(parameters: &[Parameter], most: usize) -> Vec<Vec<f64>> {
+    let mut all: Vec<Vec<f64>> = vec![Vec::new()];
+    for p in parameters {
+        let mut options = vec![p.value];
+        if !p.fixed {
+            options.extend(p.starts.iter().filter(|s| **s != p.value));
+        }
+        all = options
+            .iter()
+            .flat_map(|&o| all.iter().map(move |before| before.iter().copied().chain([o]).collect()))
+            .collect();
+    }
+    if all.len() > most {
+        // Evenly over what there is, so that no parameter's starts are cut off.
+        let step = all.len() as f64 / most as f64;
+        return (0..most).map(|i| all[(i as f64 * step) as usize].clone()).collect();
+    }
+    all
+}
+
+/// The effects that a candidate could still be given.
+#[must_use]
+pub fn addable(model: &dyn Model, seen: &Excitation, admitted: &[String]) -> Vec<EffectCard> {
+    model.effects(seen).into_iter().filter(|c| admitted.contains(&c.id)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn combinations_cover_every_start_with_every_other() {
+        let mut a = Parameter::new("a", "", 1.0, 0.0, 9.0);
+        a.starts = vec![2.0, 3.0];
+        let mut b = Parameter::new("b", "", 10.0, 0.0, 99.0);
+        b.starts = vec![20.0];
+        let all = combinations(&[a.clone(), b.clone()], 100);
+        assert_eq!(all.len(), 6);
+        assert_eq!(all[0], [1.0, 10.0]);
+        assert!(all.contains(&vec![3.0, 20.0]));
+        b.fixed = true;
+        assert_eq!(combinations(&[a, b], 100).len(), 3);
+    }
+}

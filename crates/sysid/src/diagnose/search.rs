@@ -1,0 +1,264 @@
+//! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the best
+//! few at every size are fitted, members leave again, and rivals of each member are tried.
+
+use super::compare::{clearly_better, gain};
+use super::screen::{Promise, addable, screen};
+use super::{Candidate, Options, Progress};
+use crate::data::Data;
+use rayon::prelude::*;
+use sealegs_model::{Excitation, Model};
+
+/// What the search leaves: the chosen set and everything that was fitted on the way.
+#[derive(Debug)]
+pub struct Found {
+    /// Everything that was fitted, the base model first.
+    pub tried: Vec<Candidate>,
+    /// Index of the chosen one in `tried`.
+    pub chosen: usize,
+    /// Indices of sets of no more effects that these data cannot tell from the chosen one.
+    pub tied: Vec<usize>,
+    /// What screening promised of each effect beside the base model.
+    pub promises: Vec<Promise>,
+}
+
+/// The search's state.
+pub(super) struct Search<'a> {
+    pub data: &'a Data<'a>,
+    pub base: &'a dyn Model,
+    pub seen: &'a Excitation,
+    /// Effects to choose from, in the catalogue's order.
+    pub admitted: Vec<String>,
+    pub options: &'a Options,
+    pub floor: f64,
+    pub tried: Vec<Candidate>,
+    pub progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+/// A set to be fitted, and where from.
+struct Plan {
+    effects: Vec<String>,
+    known: Vec<(String, f64)>,
+    /// Predicted cost.
+    cost: f64,
+}
+
+impl Search<'_> {
+    /// Grows, prunes and compares, from the fitted base model (`tried[0]`).
+    pub fn run(mut self) -> Found {
+        let mut promises = Vec::new();
+        let mut best = 0;
+        let mut frontier = vec![0];
+        for size in 1..=self.options.most_effects {
+            let mut plans = Vec::new();
+            for &from in &frontier {
+                let found = self.screen_beside(from, size);
+                for promise in &found {
+                    plans.extend(self.plans(from, promise));
+                }
+                if size == 1 {
+                    promises = found;
+                }
+            }
+            let fitted = self.fit_best(
+                plans,
+                if size == 1 { self.options.shortlist } else { self.options.shortlist_later },
+            );
+            if fitted.is_empty() {
+                break;
+            }
+            let best_here = self.best_of(&fitted);
+            if clearly_better(&self.tried[best], &self.tried[best_here], self.floor) {
+                best = best_here;
+            } else if size > 1 {
+                // Two effects may help only together: a second size is always tried, a third only if the
+                // second brought something.
+                break;
+            }
+            if self.at_floor(best) {
+                break;
+            }
+            frontier = self.frontier(fitted, size);
+        }
+        for _ in 0..2 {
+            let before = best;
+            best = self.swap(best);
+            best = self.prune(best);
+            if best == before {
+                break;
+            }
+        }
+        let (chosen, tied) = self.ties(best);
+        Found { tried: self.tried, chosen, tied, promises }
+    }
+
+    /// Whether nothing is left to explain.
+    fn at_floor(&self, index: usize) -> bool {
+        let left = self.tried[index].validation.mean_square() - self.floor * self.floor;
+        left < super::compare::WORTH_SQUARED_NOISE * self.floor * self.floor
+    }
+
+    fn screen_beside(&self, from: usize, size: usize) -> Vec<Promise> {
+        let beside = &self.tried[from];
+        (self.progress)(Progress::Screening { beside: beside.effects.clone() });
+        let cards = addable(beside.model.as_ref(), self.seen, &self.admitted);
+        let most = if size == 1 { self.options.starts } else { self.options.starts_later };
+        screen(self.data, beside, self.seen, &cards, most)
+    }
+
+    /// A set with one more effect, from its most promising start and the most promising one that is
+    /// elsewhere.
+    fn plans(&self, from: usize, promise: &Promise) -> Vec<Plan> {
+        let beside = &self.tried[from];
+        if promise.drop <= 0.0 {
+            return Vec::new();
+        }
+        promise
+            .starts
+            .iter()
+            .take(self.options.starts_fitted)
+            .map(|start| {
+                let mut known = beside.known();
+                known.extend(start.iter().cloned());
+                Plan {
+                    effects: self.with(&beside.effects, &promise.effect),
+                    known,
+                    cost: beside.fit.cost - promise.drop,
+                }
+            })
+            .collect()
+    }
+
+    fn with(&self, effects: &[String], one_more: &str) -> Vec<String> {
+        let chosen = |id: &String| effects.contains(id) || id == one_more;
+        self.admitted.iter().filter(|id| chosen(id)).cloned().collect()
+    }
+
+    /// Fits the `most` sets of lowest predicted cost that were not fitted yet; returns their indices.
+    fn fit_best(&mut self, mut plans: Vec<Plan>, most: usize) -> Vec<usize> {
+        plans.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let mut sets: Vec<Vec<String>> = Vec::new();
+        for plan in &plans {
+            let known = self.tried.iter().any(|t| t.effects == plan.effects);
+            if !known && !sets.contains(&plan.effects) && sets.len() < most {
+                sets.push(plan.effects.clone());
+            }
+        }
+        (self.progress)(Progress::Fitting { sets: sets.clone() });
+        let (data, base, seen, most_starts) = (self.data, self.base, self.seen, self.options.starts_fitted);
+        let fitted: Vec<Option<Candidate>> = sets
+            .par_iter()
+            .map(|set| {
+                plans
+                    .iter()
+                    .filter(|p| p.effects == *set)
+                    .take(most_starts)
+                    .filter_map(|p| Candidate::fitted(data, base, set, seen, &p.known).ok())
+                    .reduce(|best, other| if other.fit.cost < best.fit.cost { other } else { best })
+            })
+            .collect();
+        let first = self.tried.len();
+        self.tried.extend(fitted.into_iter().flatten());
+        (first..self.tried.len()).collect()
+    }
+
+    fn mean_square(&self, index: usize) -> f64 {
+        self.tried[index].validation.mean_square()
+    }
+
+    fn best_of(&self, indices: &[usize]) -> usize {
+        indices
+            .iter()
+            .copied()
+            .reduce(|a, b| if self.mean_square(b) < self.mean_square(a) { b } else { a })
+            .unwrap_or(0)
+    }
+
+    /// The sets that the next size grows from.
+    fn frontier(&self, mut fitted: Vec<usize>, size: usize) -> Vec<usize> {
+        fitted.sort_by(|&a, &b| self.mean_square(a).total_cmp(&self.mean_square(b)));
+        fitted.truncate(if size == 1 { self.options.beam_first } else { self.options.beam });
+        fitted
+    }
+
+    /// Index of a set, fitted now if it was not, from another candidate's values.
+    fn index_of(&mut self, effects: &[String], near: usize) -> Option<usize> {
+        if let Some(i) = self.tried.iter().position(|t| t.effects == effects) {
+            return Some(i);
+        }
+        let known = self.tried[near].known();
+        let fitted = Candidate::fitted(self.data, self.base, effects, self.seen, &known).ok()?;
+        self.tried.push(fitted);
+        Some(self.tried.len() - 1)
+    }
+
+    /// Lets members leave, the least useful first, as long as the rest is not clearly worse.
+    fn prune(&mut self, mut best: usize) -> usize {
+        loop {
+            let effects = self.tried[best].effects.clone();
+            let mut without: Vec<usize> = Vec::new();
+            for leaving in &effects {
+                let rest: Vec<String> = effects.iter().filter(|e| *e != leaving).cloned().collect();
+                without.extend(self.index_of(&rest, best));
+            }
+            let next = without
+                .into_iter()
+                .filter(|&i| !clearly_better(&self.tried[i], &self.tried[best], self.floor))
+                .reduce(|a, b| if self.mean_square(b) < self.mean_square(a) { b } else { a });
+            match next {
+                Some(i) => best = i,
+                None => return best,
+            }
+        }
+    }
+
+    /// Tries rivals in the place of each member.
+    fn swap(&mut self, mut best: usize) -> usize {
+        for _ in 0..2 {
+            let effects = self.tried[best].effects.clone();
+            let mut plans = Vec::new();
+            for leaving in &effects {
+                let rest: Vec<String> = effects.iter().filter(|e| *e != leaving).cloned().collect();
+                let Some(without) = self.index_of(&rest, best) else { continue };
+                let worth = self.tried[without].fit.cost - self.tried[best].fit.cost;
+                for promise in self.screen_beside(without, 2) {
+                    if promise.effect != *leaving && promise.drop > 0.3 * worth {
+                        plans.extend(self.plans(without, &promise));
+                    }
+                }
+            }
+            let mut fitted = self.fit_best(plans, self.options.shortlist_later);
+            fitted.push(best);
+            let better = self.best_of(&fitted);
+            if better == best {
+                break;
+            }
+            best = better;
+        }
+        best
+    }
+
+    /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are
+    /// its ties. A set that holds the chosen one and something beside it is no tie.
+    fn ties(&self, best: usize) -> (usize, Vec<usize>) {
+        let size = self.tried[best].effects.len();
+        let mut equal: Vec<usize> = (0..self.tried.len())
+            .filter(|&i| i == best || self.tried[i].effects.len() <= size)
+            .filter(|&i| i == best || !clearly_better(&self.tried[i], &self.tried[best], self.floor))
+            .collect();
+        let order = |i: usize| {
+            let t = &self.tried[i];
+            (t.effects.len(), t.effect_parameters())
+        };
+        equal.sort_by(|&a, &b| {
+            order(a).cmp(&order(b)).then(gain(&self.tried[a], &self.tried[b]).total_cmp(&0.0))
+        });
+        let chosen = equal.first().copied().unwrap_or(best);
+        let own = &self.tried[chosen].effects;
+        let tied = equal
+            .into_iter()
+            .skip(1)
+            .filter(|&i| own.is_empty() || !own.iter().all(|e| self.tried[i].effects.contains(e)))
+            .collect();
+        (chosen, tied)
+    }
+}

@@ -1,0 +1,154 @@
+//! The verdict: what the holdout runs say of the base model and of the sets that were found.
+
+use super::Candidate;
+use super::search::Found;
+use crate::Error;
+use crate::data::{Data, Evaluation};
+use rayon::prelude::*;
+
+/// Error above the floor, as a ratio, up to which a model is called adequate.
+const ADEQUATE: f64 = 1.05;
+
+/// Share of the unexplained energy that may be left for effects to have explained it.
+const EXPLAINED: f64 = 0.10;
+
+/// Error above the floor, as a ratio, up to which a model with effects has explained everything.
+const AT_FLOOR: f64 = 1.10;
+
+/// Share of the unexplained energy that effects must remove to be named at all.
+const WORTH_NAMING: f64 = 0.35;
+
+/// What was found out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VerdictKind {
+    /// The refitted base model is at the noise floor.
+    Adequate,
+    /// The effects explain what the base model does not.
+    MissingEffect,
+    /// The effects help on held-out data, but a structured remainder stays.
+    PartlyExplained,
+    /// No known effect helps on held-out data.
+    Unexplained,
+}
+
+impl VerdictKind {
+    /// The name in files.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Adequate => "adequate",
+            Self::MissingEffect => "missing-effect",
+            Self::PartlyExplained => "partly-explained",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// A fitted set with its error on the holdout runs.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// Index in [`Found::tried`].
+    pub index: usize,
+    /// Root mean square residual on the holdout runs, in noise units.
+    pub holdout_error: f64,
+    /// Half the fall of the sum of squared residuals on left-out stretches of the fit runs against the base
+    /// model, in units of the mean squared residual that is left (at least 1): a log-likelihood ratio.
+    pub evidence: f64,
+}
+
+/// The verdict with its numbers.
+#[derive(Debug, Clone)]
+pub struct Verdict {
+    /// What was found out.
+    pub kind: VerdictKind,
+    /// The effects that are named.
+    pub effects: Vec<String>,
+    /// Other sets that these data cannot tell from them.
+    pub indistinguishable: Vec<Vec<String>>,
+    /// Noise floor, in noise units.
+    pub floor: f64,
+    /// The base model.
+    pub base: Judged,
+    /// The named set; the base model where nothing is named.
+    pub after: Judged,
+    /// The base model on the holdout runs.
+    pub base_holdout: Evaluation,
+    /// The named set on the holdout runs.
+    pub after_holdout: Evaluation,
+    /// Part of the residual energy above the floor that is left.
+    pub unexplained_share: f64,
+    /// All sets worth showing, best first.
+    pub ranking: Vec<Judged>,
+}
+
+/// Sets in a ranking.
+const RANKED: usize = 16;
+
+/// Judges what was found on the holdout runs, once.
+pub(super) fn judge(holdout: &Data, found: &Found, floor: f64) -> Result<Verdict, Error> {
+    let base = &found.tried[0];
+    let evaluate = |c: &Candidate| holdout.judge(c.model.as_ref(), &c.fit.values, c.fit.sensors());
+    let judged = |index: usize, evaluation: &Evaluation| {
+        let c = &found.tried[index];
+        let left = c.validation.mean_square().max(1.0);
+        let fall = base.validation.mean_square() - c.validation.mean_square();
+        Judged {
+            index,
+            holdout_error: evaluation.rms,
+            evidence: 0.5 * fall * c.validation.residuals as f64 / left,
+        }
+    };
+    let base_holdout = evaluate(base)?;
+    let chosen = &found.tried[found.chosen];
+    let chosen_holdout = evaluate(chosen)?;
+
+    let excess = |e: &Evaluation| (e.rms * e.rms - floor * floor).max(0.0);
+    let share = if excess(&base_holdout) > 0.0 {
+        (excess(&chosen_holdout) / excess(&base_holdout)).min(1.0)
+    } else {
+        0.0
+    };
+    let at_floor = |e: &Evaluation, ratio: f64| e.rms <= ratio * floor;
+    let kind = if chosen.effects.is_empty() {
+        let fits = base.fit.error() <= ADEQUATE * floor && at_floor(&base_holdout, ADEQUATE);
+        if fits { VerdictKind::Adequate } else { VerdictKind::Unexplained }
+    } else if share <= EXPLAINED || at_floor(&chosen_holdout, AT_FLOOR) {
+        VerdictKind::MissingEffect
+    } else if share <= 1.0 - WORTH_NAMING {
+        VerdictKind::PartlyExplained
+    } else {
+        VerdictKind::Unexplained
+    };
+    let named = matches!(kind, VerdictKind::MissingEffect | VerdictKind::PartlyExplained);
+
+    let mut order: Vec<usize> = (1..found.tried.len()).collect();
+    order.sort_by(|&a, &b| {
+        let m = |i: usize| found.tried[i].validation.mean_square();
+        m(a).total_cmp(&m(b))
+    });
+    order.truncate(RANKED);
+    let ranking: Vec<Option<Judged>> =
+        order.par_iter().map(|&i| evaluate(&found.tried[i]).ok().map(|e| judged(i, &e))).collect();
+    let base_judged = judged(0, &base_holdout);
+    let (after, after_holdout) = if named {
+        (judged(found.chosen, &chosen_holdout), chosen_holdout)
+    } else {
+        (base_judged.clone(), base_holdout.clone())
+    };
+    Ok(Verdict {
+        kind,
+        effects: if named { chosen.effects.clone() } else { Vec::new() },
+        indistinguishable: if named {
+            found.tied.iter().map(|&i| found.tried[i].effects.clone()).collect()
+        } else {
+            Vec::new()
+        },
+        floor,
+        base: base_judged,
+        after,
+        base_holdout,
+        after_holdout,
+        unexplained_share: if named { share } else { 1.0 },
+        ranking: ranking.into_iter().flatten().collect(),
+    })
+}
