@@ -2,7 +2,7 @@
 //!
 //! [`ActuatorSpec`] is the actuator's file and what follows from it. [`spring`] says what a beam does and bears,
 //! [`linkage`] what moves between actuator and joint. [`plant`] is the motion in time with every [`effect`] in place,
-//! [`bench`] a plant between two links as a model that diagnosis sees, [`excitation`] what drives it. [`response`]
+//! [`mod@bench`] a plant between two links as a model that diagnosis sees, [`excitation`] what drives it. [`response`]
 //! has the same physics in closed form, [`compensator`] and [`design`] what it means for force control.
 
 pub mod bench;
