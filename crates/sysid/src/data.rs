@@ -1,7 +1,7 @@
 //! The runs, channels and rows on which a model is compared, and one evaluation of it there.
 
 use crate::nuisance::{self, RunSums, Sensor, SensorPrior};
-use crate::{Campaign, Error, Role, Run, stats};
+use crate::{Campaign, Error, Role, stats};
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model, Prediction, Record, SignalRange};
 use std::ops::Range;
@@ -350,13 +350,12 @@ impl<'a> Data<'a> {
     }
 }
 
-/// Noise, prior and size of a channel, the same for all roles: its size is that of the fit runs, if any has it.
+/// Noise, prior and size of a channel, the same for all roles.
 fn channel(campaign: &Campaign, name: &str) -> Channel {
-    let scored = |run: &Run| run.record.output(name).map(|v| v[run.scored.clone()].to_vec());
-    let size = |p: f64, v: f64| p.max(v.abs());
-    let fitted = campaign.runs_of(Role::Fit).filter_map(scored).flatten().fold(0.0, size);
-    let peak =
-        if fitted > 0.0 { fitted } else { campaign.runs.iter().filter_map(scored).flatten().fold(0.0, size) };
-    let noise_std = campaign.noise_std(name).map_or(1.0, |n| n.std);
-    Channel { name: name.to_owned(), noise_std, prior: SensorPrior::of_channel(name, noise_std, peak), peak }
+    Channel {
+        name: name.to_owned(),
+        noise_std: campaign.noise_std(name).map_or(1.0, |n| n.std),
+        prior: campaign.sensor_prior(name),
+        peak: campaign.peak(name),
+    }
 }

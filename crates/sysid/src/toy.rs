@@ -198,6 +198,7 @@ pub(crate) fn campaign(
         scenario: None,
         sample_rate_hz: Some(200.0),
         noise: vec![channel("force_1_n", noise.0), channel("spring_deflection_m", noise.1)],
+        sensors: Vec::new(),
         runs: runs
             .into_iter()
             .map(|(role, record)| Run {

@@ -17,6 +17,7 @@ pub use clock::{Clock, Gap};
 pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
 
 use crate::Error;
+use crate::nuisance::SensorPrior;
 use rayon::prelude::*;
 use sealegs_model::{Model, Record, Signal};
 use std::ops::Range;
@@ -117,6 +118,9 @@ pub struct Campaign {
     pub sample_rate_hz: Option<f64>,
     /// Noise of every known output column that some run has, stated or estimated.
     pub noise: Vec<NoiseStd>,
+    /// What is known of sensors beforehand, by column, where somebody said so; else
+    /// [`SensorPrior::of_channel`] decides.
+    pub sensors: Vec<(String, SensorPrior)>,
     /// The runs in the order of the file.
     pub runs: Vec<Run>,
     /// Pairs of runs with the same input: what they leave between them is the campaign's real floor.
@@ -195,6 +199,7 @@ impl Campaign {
             scenario: description.scenario,
             sample_rate_hz: description.sample_rate_hz,
             noise,
+            sensors: Vec::new(),
             runs,
             repeats,
             notes,
@@ -269,6 +274,35 @@ impl Campaign {
             }
         }
         Ok(notes)
+    }
+
+    /// States what is known of a column's sensor: one standard deviation of its gain about 1 (0: exact),
+    /// and of a run's bias.
+    pub fn state_sensor(&mut self, channel: &str, gain_std: Option<f64>, bias_std: Option<f64>) {
+        let Some(noise) = self.noise_std(channel).map(|n| n.std) else { return };
+        let peak = self.peak(channel);
+        let prior = SensorPrior::of_channel(channel, noise, peak).stated(gain_std, bias_std);
+        self.sensors.retain(|(c, _)| c != channel);
+        self.sensors.push((channel.to_owned(), prior));
+    }
+
+    /// What is known of a column's sensor beforehand.
+    #[must_use]
+    pub fn sensor_prior(&self, channel: &str) -> SensorPrior {
+        let stated = self.sensors.iter().find(|(c, _)| c == channel);
+        let noise = self.noise_std(channel).map_or(1.0, |n| n.std);
+        stated.map_or_else(|| SensorPrior::of_channel(channel, noise, self.peak(channel)), |(_, p)| *p)
+    }
+
+    /// The greatest magnitude of an output column in the rows that count: of the fit runs, if any has it.
+    #[must_use]
+    pub fn peak(&self, channel: &str) -> f64 {
+        let of = |run: &Run| {
+            let values = run.record.output(channel)?;
+            Some(values[run.scored.clone()].iter().fold(0.0f64, |p, v| p.max(v.abs())))
+        };
+        let fitted = self.runs_of(Role::Fit).filter_map(of).fold(0.0, f64::max);
+        if fitted > 0.0 { fitted } else { self.runs.iter().filter_map(of).fold(0.0, f64::max) }
     }
 
     /// The noise standard deviation of an output column.

@@ -16,6 +16,9 @@ pub(super) struct Search {
     pub steps: usize,
     pub converged: bool,
     damping: f64,
+    /// Forward far away; central once steps no longer keep their promise, as in a flat valley a forward
+    /// difference's error is larger than the slope.
+    difference: Difference,
 }
 
 /// Steps are given up when damping has grown beyond this.
@@ -32,7 +35,15 @@ impl Search {
         let values = coordinates.values(&u, start);
         let evaluation = data.evaluate(model, &values)?;
         let cost = evaluation.cost + coordinates.prior_cost(&values);
-        Ok(Self { u, evaluation, cost, steps: 0, converged: coordinates.len() == 0, damping: 1e-3 })
+        Ok(Self {
+            u,
+            evaluation,
+            cost,
+            steps: 0,
+            converged: coordinates.len() == 0,
+            damping: 1e-3,
+            difference: Difference::Forward,
+        })
     }
 
     /// Takes at most `steps` further steps.
@@ -49,7 +60,7 @@ impl Search {
                 return;
             }
             self.steps += 1;
-            let raw = jacobian::raw(data, model, &self.evaluation, coordinates, &self.u, Difference::Forward);
+            let raw = jacobian::raw(data, model, &self.evaluation, coordinates, &self.u, self.difference);
             let mut projected = raw.clone();
             jacobian::project(data, &self.evaluation, &mut projected);
             let (mut a, mut g) = jacobian::normal(&projected, &raw, &self.evaluation);
@@ -71,7 +82,14 @@ impl Search {
     ) {
         let enough = tolerance * self.evaluation.rms.powi(2).max(1.0);
         while self.damping < MOST_DAMPING {
-            let Some((moved, promised)) = proposal(coordinates, &self.u, a, g, self.damping) else { break };
+            let (moved, promised) = match proposal(coordinates, &self.u, a, g, self.damping) {
+                Proposal::Step(moved, promised) => (moved, promised),
+                Proposal::Singular => {
+                    self.damping = (self.damping * 30.0).max(1e-10);
+                    continue;
+                }
+                Proposal::Stuck => break,
+            };
             if promised < enough {
                 break;
             }
@@ -81,22 +99,27 @@ impl Search {
             let gained = self.cost - cost;
             if let Some(evaluation) = tried.filter(|_| gained > 0.0) {
                 (self.u, self.evaluation, self.cost) = (moved, evaluation, cost);
-                // A step that kept its promise deserves more trust.
-                self.damping *= if gained > 0.75 * promised {
-                    0.1
-                } else if gained > 0.25 * promised {
-                    1.0
-                } else {
-                    4.0
+                // A step that kept its promise deserves more trust. Valleys that only a prior closes are
+                // a million times flatter than their walls: damping must be able to vanish.
+                let kept = gained / promised;
+                if kept < 0.5 {
+                    self.difference = Difference::Central;
+                }
+                self.damping *= match kept {
+                    r if r > 0.5 => 0.03,
+                    r if r > 0.2 => 0.3,
+                    _ => 4.0,
                 };
-                self.damping = self.damping.max(1e-9);
+                self.damping = self.damping.max(1e-12);
                 self.converged = gained < enough;
                 return;
             }
-            self.damping = (self.damping * 10.0).max(1e-3);
+            self.damping = (self.damping * 30.0).max(1e-10);
         }
+        // Nothing helps, as far as forward differences can tell.
         self.damping = 1e-3;
-        self.converged = true;
+        self.converged = self.difference == Difference::Central;
+        self.difference = Difference::Central;
     }
 }
 
@@ -110,22 +133,31 @@ pub(super) fn add_priors(coordinates: &Coordinates, u: &[f64], a: &mut DMatrix<f
     }
 }
 
-/// Where a damped step leads, inside the bounds, and by how much the cost should fall; `None` if no
-/// coordinate can move.
+/// What the normal equations propose.
+enum Proposal {
+    /// Where the damped step leads, inside the bounds, and by how much the cost should fall.
+    Step(Vec<f64>, f64),
+    /// No coordinate can move.
+    Stuck,
+    /// Nearly the same columns, and rounding made the matrix indefinite: more damping is needed.
+    Singular,
+}
+
+/// The damped step inside the bounds.
 fn proposal(
     coordinates: &Coordinates,
     u: &[f64],
     a: &DMatrix<f64>,
     g: &DVector<f64>,
     damping: f64,
-) -> Option<(Vec<f64>, f64)> {
+) -> Proposal {
     // What neither data nor prior feels stays where it is: a typical change must move the residuals at all.
     let mut moving: Vec<usize> =
         (0..u.len()).filter(|&k| a[(k, k)] > 1e-9 && !outward(coordinates, k, u[k], -g[k])).collect();
     // A step that leads out of the box at a coordinate on the bound is taken again without it.
     for _ in 0..=u.len() {
         if moving.is_empty() {
-            return None;
+            return Proposal::Stuck;
         }
         let n = moving.len();
         let mut damped = DMatrix::from_fn(n, n, |i, j| a[(moving[i], moving[j])]);
@@ -133,7 +165,8 @@ fn proposal(
             damped[(i, i)] *= 1.0 + damping;
         }
         let rhs = DVector::from_fn(n, |i, _| -g[moving[i]]);
-        let mut step = damped.cholesky()?.solve(&rhs);
+        let Some(cholesky) = damped.cholesky() else { return Proposal::Singular };
+        let mut step = cholesky.solve(&rhs);
         let excess = (0..n).map(|i| step[i].abs() / coordinates.largest_step(moving[i])).fold(1.0, f64::max);
         step /= excess;
         let blocked = (0..n).find(|&i| outward(coordinates, moving[i], u[moving[i]], step[i]));
@@ -147,9 +180,9 @@ fn proposal(
         }
         let d = DVector::from_fn(u.len(), |k, _| moved[k] - u[k]);
         let promised = -(g.dot(&d) + 0.5 * d.dot(&(a * &d)));
-        return Some((moved, promised));
+        return Proposal::Step(moved, promised);
     }
-    None
+    Proposal::Stuck
 }
 
 /// Whether a move from a bound leads out.

@@ -44,7 +44,7 @@ impl SensorPrior {
     /// The default for a channel, by its unit and the greatest magnitude that it showed.
     ///
     /// Forces, torques, lengths: 1 % of gain; a bias of 5 % of the peak from run to run about a common one
-    /// of which next to nothing is known (25 %). A torque that is inferred from a spring
+    /// of which next to nothing is known (ten times that). A torque that is inferred from a spring
     /// (`spring_torque_nm`) carries the error of an assumed stiffness, 10 %. Angles: no gain; the rotor's
     /// is zero at the start by definition, up to some noise; a joint's or a spring's encoder is mounted
     /// within 2 % of what it showed and 0.02 rad, and stays where it is up to a fifth of that.
@@ -62,8 +62,17 @@ impl SensorPrior {
                 let mounted = (0.02 * peak).clamp(5.0 * noise_std, f64::max(0.02, 5.0 * noise_std));
                 (mounted, 0.2 * mounted + noise_std)
             }
-            _ => (5.0 * wide, wide),
+            _ => (10.0 * wide, wide),
         };
         Self { gain_std, bias_std, run_bias_std }
+    }
+
+    /// The same with what a file states: the gain's standard deviation, and that of a run's bias. The
+    /// common bias gets ten times that, so that the runs decide about it and not the prior.
+    #[must_use]
+    pub fn stated(self, gain_std: Option<f64>, bias_std: Option<f64>) -> Self {
+        let gain_std = gain_std.unwrap_or(self.gain_std);
+        let Some(run_bias_std) = bias_std.filter(|s| *s > 0.0) else { return Self { gain_std, ..self } };
+        Self { gain_std, bias_std: 10.0 * run_bias_std, run_bias_std }
     }
 }
