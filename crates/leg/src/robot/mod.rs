@@ -14,6 +14,7 @@ mod mesh;
 mod mirror;
 mod placement;
 mod placement_file;
+mod sprung_mass;
 mod tree;
 mod urdf;
 mod xml;

@@ -104,34 +104,13 @@ impl Robot {
                 fault,
             };
             let placement = Resolver { robot: &self, entry, folder }.placement().map_err(fault)?;
+            let contained_in = placement.sprung_mass_in;
             self.actuators.push(placement);
-            self.check_contained_mass().map_err(fault)?;
+            if let Some(link) = contained_in {
+                self.without_contained(link).map_err(|f| fault(("sprung_mass_in".to_owned(), f)))?;
+            }
         }
         Ok(self)
-    }
-
-    /// Whether the link that contains the last actuator's sprung mass is still a body without the sprung
-    /// masses that it contains, each at its attachment point.
-    fn check_contained_mass(&self) -> Faulty<()> {
-        let Some(link) = self.actuators.last().and_then(|a| a.sprung_mass_in) else { return Ok(()) };
-        let mut rest = self.links[link].inertial.clone();
-        let mut mass_kg = 0.0;
-        for placement in self.actuators.iter().filter(|a| a.sprung_mass_in == Some(link)) {
-            let Some(spec) = &placement.spec else { continue };
-            let point = match &placement.drive {
-                Drive::Linear { point_2, .. } if link == placement.link_2 => point_2,
-                Drive::Linear { point_1, .. } => point_1,
-                Drive::Hoekens(mount) => &mount.point_1,
-                Drive::RigidPosition { .. } => continue,
-            };
-            mass_kg += spec.coefficients().sprung_mass;
-            rest = rest.map(|r| r.with_point_mass(-spec.coefficients().sprung_mass, point));
-        }
-        if rest.is_some_and(|r| r.is_physical()) {
-            return Ok(());
-        }
-        let link = self.links[link].name.clone();
-        Err(("sprung_mass_in".to_owned(), RobotFault::SprungMassTooLarge { link, mass_kg }))
     }
 }
 

@@ -160,7 +160,14 @@ fn sprung_mass_that_a_link_does_not_have() {
         let text = format!("{KNEE}sprung_mass_in = \"{link}\"\n");
         Robot::from_urdf(urdf, "r.urdf", None).expect("a leg").with_placement(&text, "r.toml", None)
     };
-    assert_eq!(with(&leg, "thigh").expect("fits").actuators[0].sprung_mass_in, Some(1));
+    let whole = with(&leg, "thigh").expect("fits");
+    assert_eq!(whole.actuators[0].sprung_mass_in, Some(1));
+    // Table 5: 0.6461 kg, at the spring side's attachment a quarter of a metre below the centre.
+    let rest = whole.clone().without_sprung_masses().expect("fits");
+    assert_eq!(rest.actuators[0].sprung_mass_in, None);
+    let body = rest.links[1].inertial.as_ref().expect("has mass");
+    assert!((body.mass_kg - (2.0 - 0.6461)).abs() < 1e-12);
+    assert!((body.com.z - 0.6461 * 0.25 / body.mass_kg).abs() < 1e-12, "{}", body.com);
     let (_, element, fault) = taken_apart(with(&leg, "base").expect_err("not between"));
     assert_eq!(element, "actuator 'knee' sprung_mass_in");
     assert!(matches!(fault, RobotFault::Invalid(_)), "{fault}");
