@@ -39,6 +39,44 @@ pub enum LegError {
         /// The nearest of them, if one is near.
         suggestion: Option<String>,
     },
+    /// No scenario is embedded under this name, and no file has it.
+    #[error("no scenario '{name}': neither a file nor one of {}{}", known.join(", "), did_you_mean(suggestion.as_deref()))]
+    UnknownScenario {
+        /// What was asked for.
+        name: String,
+        /// The embedded scenarios.
+        known: Vec<String>,
+        /// The nearest of them, if one is near.
+        suggestion: Option<String>,
+    },
+    /// A key of a scenario, or an override, is not usable.
+    #[error("{file}: {field}: {problem}")]
+    Scenario {
+        /// The file, or the override as given.
+        file: String,
+        /// The key, dotted.
+        field: String,
+        /// What is wrong, with the value.
+        problem: String,
+    },
+    /// The state is no longer finite.
+    #[error("{what} is no longer finite at {time_s:.6} s")]
+    NotFinite {
+        /// When, s.
+        time_s: f64,
+        /// The body, joint or actuator.
+        what: String,
+    },
+    /// An observer of a run could not go on.
+    #[error("{0}")]
+    Observer(String),
+}
+
+impl LegError {
+    /// A key of a scenario that is not usable.
+    pub(crate) fn scenario(file: &str, field: &str, problem: String) -> Self {
+        Self::Scenario { file: file.to_owned(), field: field.to_owned(), problem }
+    }
 }
 
 /// `file:line`, or `file` alone.

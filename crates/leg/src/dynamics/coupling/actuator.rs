@@ -1,0 +1,361 @@
+//! One actuator of the leg: spring, rotor and sprung mass between two links.
+
+use super::laws::Laws;
+use super::path::{Path, Reach};
+use super::rotor::{Rotor, RotorStep};
+use crate::dynamics::engine::Engine;
+use nalgebra::{Point3, Vector3};
+use sealegs_actuator::{Coefficients, Configuration};
+
+/// One actuator in the leg. See the [module](super) for the equations.
+#[derive(Debug)]
+pub(crate) struct Actuator {
+    /// Its numbers.
+    pub coefficients: Coefficients,
+    /// What acts beside the linear parts.
+    pub laws: Laws,
+    pub(super) path: Path,
+    /// Length at which the spring is unloaded with the screw at `y = 0`, m.
+    pub(super) rest_length_m: f64,
+    pub(super) rotor: Rotor,
+    /// Lumped model only: spring deflection and its speed half a step before, m and m/s.
+    pub(super) lumped: (f64, f64),
+    /// Force of the slipping element beside the spring, N.
+    pub(super) spring_slip_n: f64,
+    /// Deflection one step ago, m.
+    pub(super) deflection_before_m: f64,
+    /// Inertial acceleration of the sprung mass' attachment one step ago, m/s^2.
+    pub(super) acceleration: Vector3<f64>,
+    /// Where the attachment was one step ago, and is now, m.
+    pub(super) attachment: [Point3<f64>; 2],
+    /// Length one step ago and now, m.
+    pub(super) lengths_m: [f64; 2],
+    /// Second derivative of the length one step ago, m/s^2 (for a linkage).
+    pub(super) length_acceleration: f64,
+    pub(super) reach: Reach,
+    /// Direction one step ago.
+    pub(super) direction_before: Vector3<f64>,
+    /// Force in the screw at the last step, N.
+    pub(super) load_n: f64,
+    /// What was applied in this step, until it is completed after it.
+    pub(super) applied: Applied,
+}
+
+/// What an actuator did in one step, before the links' motion is known.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Applied {
+    pub motor_n: f64,
+    pub spring_n: f64,
+    pub deflection_m: f64,
+    pub y_m: f64,
+    pub rotor: RotorStep,
+}
+
+/// An actuator at one instant, everything at the time of the poses.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ActuatorInstant {
+    /// Motor current after the drive, A.
+    pub current_a: f64,
+    /// Motor force on the screw `F_m`, N.
+    pub motor_force_n: f64,
+    /// Force of the spring `F_k`, positive in compression, N.
+    pub spring_force_n: f64,
+    /// Force on link 1 (spring side) as a load cell there reads it, N, positive in compression.
+    pub force_1_n: f64,
+    /// Force on link 2 (screw side), N, positive in compression.
+    pub force_2_n: f64,
+    /// Deflection of the spring, m, positive in compression.
+    pub deflection_m: f64,
+    /// Extension of the screw `y = r theta` since the start, m.
+    pub extension_m: f64,
+    /// Rotor angle `theta`, rad.
+    pub rotor_angle_rad: f64,
+    /// Rotor speed, rad/s.
+    pub rotor_speed_rad_s: f64,
+    /// Distance of the attachments (for a linkage, spring to tracer), m.
+    pub length_m: f64,
+    /// Attachment on link 1, world, m.
+    pub end_1_m: [f64; 3],
+    /// Attachment on link 2, world, m.
+    pub end_2_m: [f64; 3],
+}
+
+/// Rates of work of an actuator at one instant, W (positive puts energy into the leg), and its energies.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct ActuatorPower {
+    /// Of the motor.
+    pub motor: f64,
+    /// Of rotor damping and friction (not positive).
+    pub rotor_losses: f64,
+    /// Of what acts beside the linear spring.
+    pub spring_losses: f64,
+    /// Of gravity and of the turning axis on the sprung mass relative to its attachment: see the ledger.
+    pub sprung_mass: f64,
+    /// Not a power: kinetic energy of rotor and sprung mass beside what the engine counts, J.
+    pub kinetic_j: f64,
+    /// Not a power: energy in the linear spring, J.
+    pub spring_j: f64,
+}
+
+impl Actuator {
+    pub(super) fn new(coefficients: Coefficients, path: Path, engine: &Engine) -> Self {
+        let reach = path.reach(engine);
+        Self {
+            coefficients,
+            laws: Laws::default(),
+            path,
+            rest_length_m: reach.length_m,
+            rotor: Rotor::default(),
+            lumped: (0.0, 0.0),
+            spring_slip_n: 0.0,
+            deflection_before_m: 0.0,
+            acceleration: Vector3::zeros(),
+            attachment: [Point3::origin(); 2],
+            lengths_m: [reach.length_m; 2],
+            length_acceleration: 0.0,
+            direction_before: reach.direction,
+            reach,
+            load_n: 0.0,
+            applied: Applied::default(),
+        }
+    }
+
+    fn is_lumped(&self) -> bool {
+        self.coefficients.configuration == Configuration::Lumped
+    }
+
+    /// The link's point whose acceleration the sprung mass feels: link 2 for a sprung motor housing on a
+    /// rod, link 1 for a sprung ball nut, and always link 1 for a linkage.
+    fn attachment_now(&self) -> Point3<f64> {
+        match (&self.path, self.coefficients.configuration) {
+            (Path::Rod { .. }, Configuration::SprungMotorHousing) => self.reach.ends[1],
+            _ => self.reach.ends[0],
+        }
+    }
+
+    /// Takes up the pose at the start: the spring carries `spring_n` and everything is at rest with the
+    /// given initial accelerations (zero on the first, trial, start).
+    pub fn start(&mut self, engine: &Engine, spring_n: f64, start: &ActuatorStart, step_s: f64) {
+        self.reach = self.path.reach(engine);
+        let deflection = spring_n / self.coefficients.stiffness;
+        self.rest_length_m = self.reach.length_m + deflection;
+        let back = |acceleration: f64, half_steps: f64| -0.5 * half_steps * step_s * acceleration;
+        let rotor_rate = self.reach.rate_m_s;
+        self.rotor = Rotor {
+            y_m: 0.0,
+            // The screw starts at the rate of the length: a joint that starts in motion has moved its motor.
+            speed_m_s: rotor_rate + back(start.rotor, 1.0),
+            previous_m_s: rotor_rate + back(start.rotor, 3.0),
+            presliding_n: 0.0,
+        };
+        self.lumped = (deflection, back(start.rotor, 1.0));
+        self.spring_slip_n = 0.0;
+        self.deflection_before_m = deflection;
+        self.acceleration = start.attachment;
+        self.length_acceleration = start.length;
+        self.load_n = spring_n;
+        self.direction_before = self.reach.direction;
+        let now = self.attachment_now();
+        let body = match (&self.path, self.coefficients.configuration) {
+            (Path::Rod { end_2, .. }, Configuration::SprungMotorHousing) => end_2.0,
+            (Path::Rod { end_1, .. }, _) => end_1.0,
+            (Path::Crank { mount, .. }, _) => mount.0,
+        };
+        let velocity = engine.states[body].velocity_at(&now);
+        // One step earlier, by the accelerations at the start.
+        let then = now - velocity * step_s + start.attachment * (0.5 * step_s * step_s);
+        self.attachment = [then, now];
+        let length = self.reach.length_m;
+        self.lengths_m =
+            [length - self.reach.rate_m_s * step_s + 0.5 * start.length * step_s * step_s, length];
+    }
+
+    /// Puts the actuator's forces on the bodies and advances its rotor by a step.
+    pub fn apply(
+        &mut self,
+        engine: &mut Engine,
+        current_a: f64,
+        gravity: &Vector3<f64>,
+        time_s: f64,
+        step_s: f64,
+    ) {
+        let c = self.coefficients;
+        let rate = self.reach.rate_m_s;
+        let speed = if self.is_lumped() { self.lumped.1 + rate } else { self.rotor.speed_now() };
+        let deflection = if self.is_lumped() {
+            self.lumped.0
+        } else {
+            self.rotor.y_m - (self.reach.length_m - self.rest_length_m)
+        };
+        let mut spring = self.laws.spring_force(c.stiffness, deflection, speed - rate);
+        if let Some(element) = self.laws.spring_slip {
+            self.spring_slip_n = element.advance(self.spring_slip_n, deflection - self.deflection_before_m);
+            spring += self.spring_slip_n;
+        }
+        self.deflection_before_m = deflection;
+        let motor = self.laws.motor_force(c.force_constant * current_a, speed);
+        let push = motor + self.laws.on_rotor(self.rotor.y_m, speed, self.load_n, time_s);
+        let felt = self.reach.direction.dot(&(self.acceleration - gravity));
+        let y_m = self.rotor.y_m;
+        let (on_1, on_2, rotor) = match (c.configuration, &self.path) {
+            (Configuration::Lumped, _) => self.apply_lumped(push, spring, speed, step_s),
+            (Configuration::SprungMotorHousing, Path::Rod { .. }) => {
+                let force = push - spring + c.sprung_mass * felt;
+                let step = self.advance_rotor(force, step_s);
+                (spring, spring + c.sprung_mass * step.acceleration, step)
+            }
+            (Configuration::SprungBallNut, _) => {
+                let force = push - spring - c.sprung_mass * felt;
+                let step = self.advance_rotor(force, step_s);
+                (spring + c.sprung_mass * step.acceleration, spring, step)
+            }
+            (Configuration::SprungMotorHousing, Path::Crank { dof, .. }) => {
+                let joint_speed = engine.joint_velocity(*dof);
+                let turning = self.reach.arm.arm_slope_m * joint_speed * joint_speed;
+                engine.set_armature(*dof, c.sprung_mass * self.reach.arm.arm_m.powi(2));
+                let force = push - spring + c.sprung_mass * (self.length_acceleration + felt);
+                let step = self.advance_rotor(force, step_s);
+                // The joint's own acceleration times the arm is in the armature.
+                let on_2 = spring + c.sprung_mass * (step.acceleration - turning - felt);
+                let relative = c.sprung_mass * (step.acceleration - self.length_acceleration);
+                (on_2 - relative, on_2, step)
+            }
+        };
+        self.applied = Applied { motor_n: motor, spring_n: spring, deflection_m: deflection, y_m, rotor };
+        self.path.push(engine, &self.reach, on_1, on_2);
+    }
+
+    fn advance_rotor(&mut self, force: f64, step_s: f64) -> RotorStep {
+        let c = self.coefficients;
+        self.rotor.advance(
+            c.reflected_inertia + c.sprung_mass,
+            c.damping,
+            force,
+            self.load_n,
+            &self.laws,
+            step_s,
+        )
+    }
+
+    /// The conventional model: all of `m_T` moves with the spring, relative to link 1.
+    fn apply_lumped(&mut self, push: f64, spring: f64, speed: f64, step_s: f64) -> (f64, f64, RotorStep) {
+        let c = self.coefficients;
+        let on_2 = push - c.damping * speed;
+        let acceleration = (on_2 - spring) / c.total_mass();
+        let before = self.lumped.1;
+        self.lumped.1 += step_s * acceleration;
+        self.lumped.0 += step_s * self.lumped.1;
+        self.rotor.previous_m_s = self.rotor.speed_m_s;
+        (spring, on_2, RotorStep { acceleration, speed: 0.5 * (before + self.lumped.1), friction_n: 0.0 })
+    }
+
+    /// Completes the step with the links' motion, which the engine has found by now: load cells and work.
+    pub fn complete(
+        &mut self,
+        engine: &Engine,
+        current_a: f64,
+        gravity: &Vector3<f64>,
+        step_s: f64,
+        travel_per_rad: f64,
+    ) -> (ActuatorInstant, ActuatorPower) {
+        let c = self.coefficients;
+        let was = self.reach;
+        let Applied { motor_n, spring_n, deflection_m, y_m, rotor } = self.applied;
+        self.reach = self.path.reach(engine);
+        let [before, now] = self.attachment;
+        let next = self.attachment_now();
+        self.acceleration = ((next - now) - (now - before)) / (step_s * step_s);
+        let velocity = (next - before) / (2.0 * step_s);
+        self.attachment = [now, next];
+        let [before, now] = self.lengths_m;
+        let next = self.reach.length_m;
+        self.length_acceleration = ((next - now) - (now - before)) / (step_s * step_s);
+        let length_rate = (next - before) / (2.0 * step_s);
+        self.lengths_m = [now, next];
+
+        let lumped = self.is_lumped();
+        let screw_speed = if lumped { rotor.speed + length_rate } else { rotor.speed };
+        if lumped {
+            self.rotor.y_m = self.lumped.0 + self.reach.length_m - self.rest_length_m;
+            self.rotor.speed_m_s = self.lumped.1 + self.reach.rate_m_s;
+        }
+        let felt = was.direction.dot(&(self.acceleration - gravity));
+        let (force_1, force_2) = match (c.configuration, &self.path) {
+            (Configuration::Lumped, _) => (spring_n, spring_n + c.total_mass() * rotor.acceleration),
+            (Configuration::SprungMotorHousing, Path::Rod { .. }) => {
+                (spring_n, spring_n + c.sprung_mass * (rotor.acceleration - felt))
+            }
+            (Configuration::SprungMotorHousing, Path::Crank { .. }) => {
+                let relative = rotor.acceleration - self.length_acceleration;
+                (spring_n, spring_n + c.sprung_mass * (relative - felt))
+            }
+            (Configuration::SprungBallNut, _) => {
+                (spring_n + c.sprung_mass * (rotor.acceleration + felt), spring_n)
+            }
+        };
+        self.load_n = if c.configuration == Configuration::SprungBallNut { force_1 } else { force_2 };
+        let turning = (self.reach.direction - self.direction_before) / (2.0 * step_s);
+        self.direction_before = was.direction;
+        let along = was.direction.dot(&velocity);
+        // Speed of the sprung mass relative to the attachment with which the engine moves it.
+        let relative = match (c.configuration, &self.path) {
+            (Configuration::SprungMotorHousing, Path::Rod { .. }) => -screw_speed,
+            (Configuration::SprungMotorHousing, Path::Crank { .. }) => length_rate - screw_speed,
+            (Configuration::SprungBallNut, _) => screw_speed,
+            (Configuration::Lumped, _) => screw_speed - length_rate,
+        };
+        let m = c.sprung_mass;
+        let (sprung_mass, kinetic_j) = if lumped {
+            // The lumped mass is accelerated against link 1 but pushes on nothing: the model's own flaw.
+            let work = c.total_mass() * rotor.acceleration * along;
+            (work, 0.5 * c.total_mass() * relative * relative)
+        } else {
+            let work = m * relative * (was.direction.dot(gravity) + turning.dot(&velocity));
+            let rotor = 0.5 * c.reflected_inertia * screw_speed * screw_speed;
+            (work, rotor + m * relative * (0.5 * relative + along))
+        };
+        let power = ActuatorPower {
+            motor: motor_n * screw_speed,
+            rotor_losses: (rotor.friction_n - c.damping * screw_speed) * screw_speed,
+            spring_losses: -(spring_n - c.stiffness * deflection_m) * (screw_speed - length_rate),
+            sprung_mass,
+            kinetic_j,
+            spring_j: 0.5 * c.stiffness * deflection_m * deflection_m,
+        };
+        let instant = ActuatorInstant {
+            current_a,
+            motor_force_n: motor_n,
+            spring_force_n: spring_n,
+            force_1_n: force_1,
+            force_2_n: force_2,
+            deflection_m,
+            extension_m: if lumped { deflection_m + was.length_m - self.rest_length_m } else { y_m },
+            rotor_angle_rad: 0.0,
+            rotor_speed_rad_s: screw_speed / travel_per_rad,
+            length_m: was.length_m,
+            end_1_m: was.ends[0].coords.into(),
+            end_2_m: was.ends[1].coords.into(),
+        };
+        (ActuatorInstant { rotor_angle_rad: instant.extension_m / travel_per_rad, ..instant }, power)
+    }
+
+    /// Accelerations of the step that was completed last: those at the start, after a trial step.
+    pub fn accelerations(&self) -> ActuatorStart {
+        ActuatorStart {
+            rotor: self.applied.rotor.acceleration,
+            length: self.length_acceleration,
+            attachment: self.acceleration,
+        }
+    }
+}
+
+/// Accelerations at the start, which place the half-step velocities; found by a trial step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct ActuatorStart {
+    /// `y''`, m/s^2.
+    pub rotor: f64,
+    /// Second derivative of the length, m/s^2.
+    pub length: f64,
+    /// Of the sprung mass' attachment, m/s^2.
+    pub attachment: Vector3<f64>,
+}

@@ -1,0 +1,8 @@
+//! The leg's dynamics: rigid bodies in the engine, and every force on them.
+
+pub mod contact;
+pub mod coupling;
+pub(crate) mod drive;
+pub(crate) mod engine;
+pub mod stop;
+pub(crate) mod tree;

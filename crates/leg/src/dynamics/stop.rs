@@ -1,0 +1,128 @@
+//! What acts at the joints beside actuators: stops at the URDF's limits, viscous loss and dry friction.
+
+use super::engine::Engine;
+use super::tree::Tree;
+use crate::robot::Robot;
+
+/// Joint stops: a spring-damper beyond the limit that pushes back and never pulls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StopLaw {
+    /// Stiffness, N m/rad (N/m for a sliding joint).
+    pub stiffness_nm_rad: f64,
+    /// Damping, N m s/rad (N s/m for a sliding joint).
+    pub damping_nm_s_rad: f64,
+}
+
+impl Default for StopLaw {
+    /// An estimate: rubber that gives 2 degrees under 100 N m, well damped.
+    fn default() -> Self {
+        Self { stiffness_nm_rad: 3000.0, damping_nm_s_rad: 15.0 }
+    }
+}
+
+/// Deflection at which dry joint friction reaches its bound, rad or m: elastic until it slips, so that a
+/// resting joint rests. A numerical regularisation, not physical.
+const PRESLIDING_RAD: f64 = 1e-4;
+
+/// The passive torques of one joint.
+#[derive(Debug, Clone)]
+struct JointLosses {
+    body: usize,
+    parent: usize,
+    dof: usize,
+    slides: bool,
+    lower: f64,
+    upper: f64,
+    damping: f64,
+    friction: f64,
+    bristle: f64,
+    before: [f64; 2],
+    torque: f64,
+    stopped: bool,
+}
+
+/// The passive torques of all joints.
+#[derive(Debug, Clone)]
+pub(crate) struct Stops {
+    law: StopLaw,
+    joints: Vec<JointLosses>,
+}
+
+impl Stops {
+    pub fn new(law: StopLaw, robot: &Robot, tree: &Tree, engine: &Engine) -> Self {
+        let joints = tree
+            .bodies
+            .iter()
+            .enumerate()
+            .filter_map(|(body, b)| b.joint.as_ref().map(|j| (body, j)))
+            .map(|(body, j)| {
+                let joint = &robot.joints[j.joint];
+                JointLosses {
+                    body,
+                    parent: j.parent,
+                    dof: j.dof,
+                    slides: j.slides,
+                    lower: joint.limits.lower,
+                    upper: joint.limits.upper,
+                    damping: joint.damping,
+                    friction: joint.friction,
+                    bristle: 0.0,
+                    before: [engine.q[j.dof]; 2],
+                    torque: 0.0,
+                    stopped: false,
+                }
+            })
+            .collect();
+        Self { law, joints }
+    }
+
+    /// Takes up the pose at the start.
+    pub fn start(&mut self, engine: &Engine) {
+        for joint in &mut self.joints {
+            joint.before = [engine.q[joint.dof]; 2];
+            joint.bristle = 0.0;
+        }
+    }
+
+    /// Puts the torques on the bodies.
+    pub fn apply(&mut self, engine: &mut Engine) {
+        for joint in &mut self.joints {
+            let (q, speed) = (engine.q[joint.dof], engine.joint_velocity(joint.dof));
+            let moved = q - joint.before[1];
+            joint.before = [joint.before[1], q];
+            let past = if q > joint.upper {
+                q - joint.upper
+            } else if q < joint.lower {
+                q - joint.lower
+            } else {
+                0.0
+            };
+            let mut torque = -joint.damping * speed;
+            joint.stopped = past != 0.0;
+            if joint.stopped {
+                let push = -self.law.stiffness_nm_rad * past - self.law.damping_nm_s_rad * speed;
+                // A stop pushes back into the range only.
+                torque += if past > 0.0 { push.min(0.0) } else { push.max(0.0) };
+            }
+            if joint.friction > 0.0 {
+                let stiffness = joint.friction / PRESLIDING_RAD;
+                joint.bristle = (joint.bristle - stiffness * moved).clamp(-joint.friction, joint.friction);
+                torque += joint.bristle;
+            }
+            joint.torque = torque;
+            if torque != 0.0 {
+                engine.add_joint_effort(joint.body, joint.parent, joint.slides, torque);
+            }
+        }
+    }
+
+    /// Power of the torques, W, once the step that they were applied in is done.
+    pub fn power(&self, engine: &Engine, step_s: f64) -> f64 {
+        self.joints.iter().map(|j| j.torque * (engine.q[j.dof] - j.before[0]) / (2.0 * step_s)).sum()
+    }
+
+    /// Degrees of freedom that are past a limit now.
+    pub fn stopped(&self) -> impl Iterator<Item = usize> {
+        self.joints.iter().filter(|j| j.stopped).map(|j| j.dof)
+    }
+}

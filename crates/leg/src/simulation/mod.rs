@@ -1,0 +1,346 @@
+//! A leg in motion: one step after the other, everything at an instant belonging to the same time.
+//!
+//! A step finds all forces at the poses of time `t_n`, lets the engine and the rotors advance to `t_n + dt`,
+//! and only then completes what is known of `t_n`: load cells need the accelerations, and velocities at
+//! `t_n` are the mean of those half a step before and after (see the engine's leapfrog).
+
+mod sample;
+mod setup;
+mod watch;
+
+pub use sample::{
+    ActuatorModel, EnergyBalance, Event, EventKind, EventLevel, LegDescription, Observer, Sample,
+};
+pub use watch::{ActuatorPeaks, Peak, Peaks};
+
+use crate::LegError;
+use crate::controller::{Controller, moment_arms, share_out};
+use crate::dynamics::contact::{Contact, GroundInstant};
+use crate::dynamics::coupling::{
+    Actuator, ActuatorInstant, ActuatorPower, ActuatorStart, Laws, gravity_vector,
+};
+use crate::dynamics::drive::Servo;
+use crate::dynamics::engine::Engine;
+use crate::dynamics::stop::{StopLaw, Stops};
+use crate::dynamics::tree::Tree;
+use crate::robot::Robot;
+use crate::scenario::{Scenario, SpringStart};
+use nalgebra::{DVector, Vector3};
+use setup::Parts;
+use watch::Watch;
+
+/// A speed that no leg has, rad/s: a state beyond it has run away even where it is still a number.
+const RUNAWAY_RAD_S: f64 = 1e4;
+
+/// A leg that can be stepped.
+pub struct Simulation {
+    leg: LegDescription,
+    tree: Tree,
+    engine: Engine,
+    actuators: Vec<Actuator>,
+    servos: Vec<Servo>,
+    stops: Stops,
+    contact: Option<Contact>,
+    controller: Controller,
+    gravity: Vector3<f64>,
+    step_s: f64,
+    /// Steps completed.
+    steps: usize,
+    instants: Vec<ActuatorInstant>,
+    powers: Vec<ActuatorPower>,
+    ground: GroundInstant,
+    energy: EnergyBalance,
+    /// Power of each work at the instant before, W.
+    power_before: [f64; 7],
+    initial_potential_j: f64,
+    sample: Sample,
+    watch: Watch,
+    events: Vec<Event>,
+}
+
+impl Simulation {
+    /// Builds the scenario's robot and starts it.
+    ///
+    /// # Errors
+    ///
+    /// Whatever is wrong with the robot or the scenario's names and numbers.
+    pub fn new(scenario: &Scenario) -> Result<Self, LegError> {
+        Self::with_robot(scenario, setup::load_robot(scenario)?)
+    }
+
+    /// Starts a robot that was loaded or made elsewhere in the scenario; its `robot` key is not looked at.
+    ///
+    /// # Errors
+    ///
+    /// As [`Simulation::new`].
+    pub fn with_robot(scenario: &Scenario, robot: Robot) -> Result<Self, LegError> {
+        let Parts { leg, tree, engine, actuators, servos, contact, start_q, start_speed } =
+            Parts::new(scenario, robot)?;
+        let names: Vec<(String, f64)> =
+            leg.actuators.iter().map(|a| (a.name.clone(), a.current_limit_a)).collect();
+        let controller = Controller::new(scenario, &leg.robot, &start_q, &names)?;
+        let stops = Stops::new(StopLaw::from(scenario.stops), &leg.robot, &tree, &engine);
+        let count = actuators.len();
+        let mut simulation = Self {
+            watch: Watch::new(&leg),
+            gravity: gravity_vector(scenario.gravity_m_s2),
+            step_s: scenario.step_s,
+            leg,
+            tree,
+            engine,
+            actuators,
+            servos,
+            stops,
+            contact,
+            controller,
+            steps: 0,
+            instants: vec![ActuatorInstant::default(); count],
+            powers: vec![ActuatorPower::default(); count],
+            ground: GroundInstant::default(),
+            energy: EnergyBalance::default(),
+            power_before: [0.0; 7],
+            initial_potential_j: 0.0,
+            sample: Sample::default(),
+            events: Vec::new(),
+        };
+        simulation.start(&start_q, &start_speed, scenario.start.springs);
+        Ok(simulation)
+    }
+
+    /// Finds the accelerations at the start by a trial step, and from them the velocities half a step
+    /// before it, where the leapfrog begins.
+    fn start(&mut self, q: &[f64], speed: &[f64], springs: SpringStart) {
+        let mut v = DVector::zeros(self.engine.coordinates());
+        for (dof, s) in speed.iter().enumerate() {
+            v[self.engine.column(dof)] = *s;
+        }
+        self.engine.set_state(q, &v, &v);
+        for actuator in &mut self.actuators {
+            actuator.start(&self.engine, 0.0, &ActuatorStart::default(), self.step_s);
+        }
+        let loads = match springs {
+            SpringStart::Unloaded => DVector::zeros(self.actuators.len()),
+            SpringStart::Balanced => {
+                let arms = moment_arms(&self.engine, &self.actuators, q.len());
+                let weight = self.engine.gravity_forces();
+                let torques = DVector::from_fn(q.len(), |dof, _| -weight[self.engine.column(dof)]);
+                share_out(&arms, &torques)
+            }
+        };
+        let mut accelerations = DVector::zeros(v.len());
+        let mut starts = vec![ActuatorStart::default(); self.actuators.len()];
+        for trial in [true, false] {
+            let now = &v - &accelerations * (0.5 * self.step_s);
+            let before = &v - &accelerations * (1.5 * self.step_s);
+            self.engine.set_state(q, &now, &before);
+            for ((actuator, load), start) in self.actuators.iter_mut().zip(loads.iter()).zip(&starts) {
+                actuator.start(&self.engine, *load, start, self.step_s);
+            }
+            self.stops.start(&self.engine);
+            if let Some(contact) = &mut self.contact {
+                contact.start(&self.engine);
+            }
+            for servo in &mut self.servos {
+                servo.before = [self.engine.q[servo.dof]; 2];
+            }
+            if trial {
+                self.apply_forces();
+                self.engine.step();
+                accelerations = (self.engine.velocity() - &now) / self.step_s;
+                self.complete_actuators();
+                starts = self.actuators.iter().map(Actuator::accelerations).collect();
+            }
+        }
+    }
+
+    /// Puts all forces of the present instant on the bodies.
+    fn apply_forces(&mut self) {
+        let time_s = self.time_s();
+        self.engine.clear_forces();
+        if self.controller.due(self.steps) {
+            self.controller.update(time_s, &self.engine, &self.actuators);
+        }
+        for (actuator, current) in self.actuators.iter_mut().zip(&self.controller.currents_a) {
+            actuator.apply(&mut self.engine, *current, &self.gravity, time_s, self.step_s);
+        }
+        for servo in &mut self.servos {
+            servo.target_rad = self.controller.target_rad(servo.dof, time_s);
+            servo.apply(&mut self.engine);
+        }
+        self.stops.apply(&mut self.engine);
+        if let Some(contact) = &mut self.contact {
+            self.ground = contact.apply(&mut self.engine, self.step_s);
+        }
+    }
+
+    fn complete_actuators(&mut self) {
+        for (i, actuator) in self.actuators.iter_mut().enumerate() {
+            let travel = self.leg.actuators[i].travel_per_rad;
+            let current = self.controller.currents_a[i];
+            (self.instants[i], self.powers[i]) =
+                actuator.complete(&self.engine, current, &self.gravity, self.step_s, travel);
+        }
+    }
+
+    /// One step. Afterwards [`Simulation::events`] has what happened at the instant that it began with, and
+    /// with `sample` set [`Simulation::sample`] is that instant.
+    ///
+    /// # Errors
+    ///
+    /// [`LegError::NotFinite`] with the time and the body, joint or actuator.
+    pub fn advance(&mut self, sample: bool) -> Result<(), LegError> {
+        let time_s = self.time_s();
+        self.events.clear();
+        self.apply_forces();
+        let before = sample.then(|| self.begin_sample(time_s));
+        self.engine.step();
+        self.complete_actuators();
+        self.check(time_s)?;
+        self.account();
+        if let Some((velocity, mass, potential)) = before {
+            let mean = (velocity + self.engine.velocity()) * 0.5;
+            self.end_sample(&mean, 0.5 * mean.dot(&(mass * &mean)), potential);
+        }
+        let saturated = &self.controller.saturated;
+        self.watch.look(
+            time_s,
+            &self.leg,
+            &self.instants,
+            saturated,
+            &self.ground,
+            self.stops.stopped(),
+            &mut self.events,
+        );
+        self.steps += 1;
+        Ok(())
+    }
+
+    /// What of a sample is known before the step: poses and positions.
+    fn begin_sample(&mut self, time_s: f64) -> (DVector<f64>, nalgebra::DMatrix<f64>, f64) {
+        let s = &mut self.sample;
+        s.time_s = time_s;
+        s.joint_angles_rad.clone_from(&self.engine.q);
+        s.world_from_link.clear();
+        let states = &self.engine.states;
+        s.world_from_link.extend(self.tree.links.iter().map(|(b, from_link)| states[*b].pose * from_link));
+        (self.engine.velocity().clone(), self.engine.mass_matrix(), self.engine.potential_energy())
+    }
+
+    /// The rest of the sample, with the velocity in the middle.
+    fn end_sample(&mut self, velocity: &DVector<f64>, bodies_j: f64, potential_j: f64) {
+        let e = &mut self.energy;
+        e.kinetic_j = bodies_j + self.powers.iter().map(|p| p.kinetic_j).sum::<f64>();
+        e.potential_j = potential_j;
+        e.spring_j = self.powers.iter().map(|p| p.spring_j).sum();
+        let total = e.kinetic_j + e.potential_j + e.spring_j;
+        if self.steps == 0 {
+            e.initial_j = total;
+            self.initial_potential_j = potential_j;
+        }
+        e.residual_j = total - e.initial_j - e.work_j();
+        let moving = e.kinetic_j + e.spring_j + (self.initial_potential_j - potential_j).abs();
+        e.turnover_j = e.turnover_j.max(moving);
+        let s = &mut self.sample;
+        s.energy = *e;
+        s.joint_speeds_rad_s.clear();
+        s.joint_speeds_rad_s.extend((0..self.engine.q.len()).map(|dof| velocity[self.engine.column(dof)]));
+        s.actuators.clone_from(&self.instants);
+        s.stresses_pa.clear();
+        s.stresses_pa.extend(
+            self.leg.actuators.iter().zip(&self.instants).map(|(m, a)| m.limits.stress_pa(a.spring_force_n)),
+        );
+        s.drive_torques_nm.clear();
+        s.drive_torques_nm.extend(self.servos.iter().map(|d| d.torque_nm));
+        s.ground = self.ground;
+    }
+
+    /// Adds the works since the instant before, by the mean of both ends.
+    fn account(&mut self) {
+        let sum = |f: &dyn Fn(&ActuatorPower) -> f64| self.powers.iter().map(f).sum::<f64>();
+        let now = [
+            sum(&|p| p.motor),
+            sum(&|p| p.rotor_losses),
+            sum(&|p| p.spring_losses),
+            self.contact.as_ref().map_or(0.0, |c| c.power(&self.engine, self.step_s)),
+            self.stops.power(&self.engine, self.step_s),
+            self.servos.iter().map(|s| s.power(&self.engine, self.step_s)).sum(),
+            sum(&|p| p.sprung_mass),
+        ];
+        if self.steps > 0 {
+            let e = &mut self.energy;
+            let works = [
+                &mut e.motor_work_j,
+                &mut e.rotor_loss_j,
+                &mut e.spring_loss_j,
+                &mut e.ground_work_j,
+                &mut e.joint_work_j,
+                &mut e.drive_work_j,
+                &mut e.sprung_mass_work_j,
+            ];
+            for ((work, now), before) in works.into_iter().zip(&now).zip(&self.power_before) {
+                *work += 0.5 * self.step_s * (now + before);
+            }
+        }
+        self.power_before = now;
+    }
+
+    /// Whether everything is still finite and within reason.
+    fn check(&self, time_s: f64) -> Result<(), LegError> {
+        let fault = |what: String| Err(LegError::NotFinite { time_s, what });
+        // Written so that a NaN fails.
+        let sane = |v: f64| v.abs() < RUNAWAY_RAD_S;
+        for (instant, model) in self.instants.iter().zip(&self.leg.actuators) {
+            if !(instant.spring_force_n.is_finite() && sane(instant.deflection_m)) {
+                return fault(format!("actuator '{}'", model.name));
+            }
+        }
+        if self.engine.velocity().iter().all(|v| sane(*v)) && sane(self.engine.rail_m) {
+            return Ok(());
+        }
+        let body = self.tree.bodies.iter().skip(1).find(|b| {
+            b.joint.as_ref().is_some_and(|j| !sane(self.engine.velocity()[self.engine.column(j.dof)]))
+        });
+        fault(format!("the motion of link '{}'", body.unwrap_or(&self.tree.bodies[0]).name))
+    }
+
+    /// What the run is about.
+    #[must_use]
+    pub fn leg(&self) -> &LegDescription {
+        &self.leg
+    }
+
+    /// Time of the instant that the next step begins with, s.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.steps as f64 * self.step_s
+    }
+
+    /// The last sample that was asked for.
+    #[must_use]
+    pub fn sample(&self) -> &Sample {
+        &self.sample
+    }
+
+    /// What happened at the last instant.
+    #[must_use]
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// Greatest values so far, looked for at every step.
+    #[must_use]
+    pub fn peaks(&self) -> &Peaks {
+        self.watch.peaks()
+    }
+
+    /// What acts in an actuator beside its linear parts: the place where effects are put in.
+    pub fn laws_mut(&mut self, actuator: usize) -> Option<&mut Laws> {
+        self.actuators.get_mut(actuator).map(|a| &mut a.laws)
+    }
+
+    /// For a benchmark: a step of the engine alone, with the forces of the last step held.
+    #[doc(hidden)]
+    pub fn bare_engine_step(&mut self) {
+        self.engine.step_bare();
+    }
+}
