@@ -21,10 +21,14 @@ pub mod data;
 pub mod diagnose;
 mod error;
 pub mod fit;
+pub mod frequency;
 pub mod frf;
+pub mod locate;
 pub mod nuisance;
 pub mod resample;
+pub mod residual;
 pub mod stats;
+pub mod structure;
 #[cfg(test)]
 pub(crate) mod toy;
 

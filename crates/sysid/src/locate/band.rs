@@ -1,0 +1,71 @@
+//! The residual's share in each frequency band.
+
+use super::Region;
+use crate::data::{Data, Evaluation};
+use crate::resample;
+use crate::stats;
+use realfft::RealFftPlanner;
+
+/// Inner limits of the bands, Hz: one, two, five, as far as the sampling reaches.
+const LIMITS: [f64; 10] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
+
+/// Regions `a to b Hz`, by the power spectrum of each block's residual on an even grid; a band's share of
+/// the samples is its share of the bandwidth.
+pub(super) fn regions(parts: &[(&Data, &Evaluation)]) -> Vec<Region> {
+    let mut power = vec![0.0; LIMITS.len() + 1];
+    let mut width = vec![0.0; LIMITS.len() + 1];
+    let mut planner = RealFftPlanner::<f64>::new();
+    let mut rows = 0.0;
+    for (data, at) in parts {
+        for block in &at.blocks {
+            let run = &data.runs[block.run];
+            let time: Vec<f64> = run.rows().map(|i| run.record.time_s[i]).collect();
+            let steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
+            let period = stats::median(&steps);
+            let mut even = resample::uniform(&time, &block.residual, period, false);
+            if even.len() < 16 {
+                continue;
+            }
+            // The block's weight is its own sum of squares, whatever the resampling did to it.
+            let squares: f64 = block.residual.iter().map(|r| r * r).sum();
+            let n = even.len();
+            let fft = planner.plan_fft_forward(n);
+            let mut spectrum = fft.make_output_vec();
+            if fft.process(&mut even, &mut spectrum).is_err() {
+                continue;
+            }
+            let lines: Vec<f64> = spectrum.iter().map(|c| c.norm_sqr()).collect();
+            let total: f64 = lines.iter().sum();
+            if total <= 0.0 {
+                continue;
+            }
+            let share = block.residual.len() as f64;
+            rows += share;
+            for (k, line) in lines.iter().enumerate() {
+                let band = LIMITS.partition_point(|&l| l <= k as f64 / (n as f64 * period));
+                power[band] += squares * line / total;
+                width[band] += share / lines.len() as f64;
+            }
+        }
+    }
+    let total: f64 = power.iter().sum();
+    if total <= 0.0 || rows <= 0.0 {
+        return Vec::new();
+    }
+    (0..power.len())
+        .filter(|&b| width[b] > 0.0)
+        .map(|b| Region {
+            axis: "frequency",
+            label: match (b.checked_sub(1).map(|i| LIMITS[i]), LIMITS.get(b)) {
+                (None, Some(high)) => format!("below {high} Hz"),
+                (Some(low), Some(high)) => format!("{low} to {high} Hz"),
+                (Some(low), None) => format!("above {low} Hz"),
+                (None, None) => "all".to_owned(),
+            },
+            sample_share: width[b] / rows,
+            error_share: power[b] / total,
+            error: (power[b] / width[b]).sqrt(),
+            error_elsewhere: ((total - power[b]).max(0.0) / (rows - width[b]).max(1e-9)).sqrt(),
+        })
+        .collect()
+}

@@ -1,0 +1,121 @@
+//! Where the residual sits: by channel, run, speed, direction, load, deflection, rotor angle, amplitude,
+//! time since the last reversal, time in the run, and frequency band.
+//!
+//! Each axis cuts the samples into regions. A region with a share of the squared error that is much larger
+//! than its share of the samples is where the model fails; the worst few become plain sentences.
+
+mod axis;
+mod band;
+
+use crate::data::{Data, Evaluation};
+use axis::{Axis, Cells};
+
+/// A part of the samples (or of the spectrum) and how much of the error lies in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// What the axis measures, for example `screw speed`.
+    pub axis: &'static str,
+    /// Which part, for example `below 0.8 mm/s`.
+    pub label: String,
+    /// Share of the samples; of the bandwidth for a frequency band.
+    pub sample_share: f64,
+    /// Share of the squared residual.
+    pub error_share: f64,
+    /// Root mean square residual inside, in noise units.
+    pub error: f64,
+    /// The same outside.
+    pub error_elsewhere: f64,
+}
+
+impl Region {
+    /// Error share beyond what a residual that is everywhere alike would have.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        self.error_share - self.sample_share
+    }
+
+    /// The region as a sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let of = if self.axis == "frequency" { "bandwidth" } else { "samples" };
+        format!(
+            "{:.0} % of the squared error sits in {:.0} % of the {of}: {} {} (error {} noise units there, {} elsewhere).",
+            100.0 * self.error_share,
+            100.0 * self.sample_share,
+            self.axis,
+            self.label,
+            short(self.error),
+            short(self.error_elsewhere),
+        )
+    }
+}
+
+/// The residual's place.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Location {
+    /// All regions of all axes, in the order of the axes.
+    pub regions: Vec<Region>,
+    /// Root mean square residual, noise units.
+    pub error: f64,
+}
+
+impl Location {
+    /// A region must have at least this much more of the error than of the samples to be worth a sentence.
+    const LEAST_EXCESS: f64 = 0.08;
+
+    /// The worst regions, at most one of each axis and `most` in all, the worst first; none where the
+    /// residual is at the noise floor.
+    #[must_use]
+    pub fn worst(&self, most: usize) -> Vec<&Region> {
+        if self.error < 1.05 {
+            return Vec::new();
+        }
+        let mut found: Vec<&Region> =
+            self.regions.iter().filter(|r| r.excess() > Self::LEAST_EXCESS && r.sample_share > 0.0).collect();
+        // How surprising: the information between the two shares, in favour of small regions with much error.
+        let weight = |r: &Region| r.error_share * (r.error_share / r.sample_share).ln();
+        found.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
+        let mut worst: Vec<&Region> = Vec::new();
+        for region in found {
+            if worst.len() < most && worst.iter().all(|w| w.axis != region.axis) {
+                worst.push(region);
+            }
+        }
+        worst
+    }
+}
+
+/// Locates the residual of one or several evaluations (fitted runs, held-out runs) together.
+#[must_use]
+pub fn locate(parts: &[(&Data, &Evaluation)]) -> Location {
+    let mut regions = Vec::new();
+    for axis in Axis::ALL {
+        let mut cells = Cells::new(axis.cells(parts));
+        for (part, (data, at)) in parts.iter().enumerate() {
+            for run in 0..data.runs.len() {
+                let Some(place) = axis.place(&cells, part, data, at, run) else { continue };
+                for block in at.blocks.iter().filter(|b| b.run == run) {
+                    for (r, i) in block.residual.iter().zip(data.runs[run].rows()) {
+                        cells.add(place(i, block.channel), r * r);
+                    }
+                }
+            }
+        }
+        regions.extend(cells.regions(axis.name()));
+    }
+    regions.extend(band::regions(parts));
+    let evaluations: Vec<&Evaluation> = parts.iter().map(|(_, e)| *e).collect();
+    Location { regions, error: crate::residual::pooled(&evaluations) }
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    match value.abs() {
+        v if v >= 100.0 => format!("{value:.0}"),
+        v if v >= 10.0 => format!("{value:.1}"),
+        _ => format!("{value:.2}"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

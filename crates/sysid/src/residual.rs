@@ -1,0 +1,63 @@
+//! Errors of a model, run by run and channel by channel, in noise units and in per cent.
+
+use crate::data::{Data, Evaluation};
+use crate::{Role, stats};
+
+/// The error of one run and channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelError {
+    /// The run's name.
+    pub run: String,
+    /// Its role.
+    pub role: Role,
+    /// The channel.
+    pub channel: String,
+    /// Rows that count.
+    pub rows: usize,
+    /// Root mean square residual in noise units: 1 is the noise floor.
+    pub error: f64,
+    /// The same in the channel's unit.
+    pub rms: f64,
+    /// The same in per cent of the measured signal's root mean square, the sensor's bias taken off.
+    pub percent: f64,
+    /// Greatest residual in noise units.
+    pub peak: f64,
+    /// The bias that this run was compared with, in the channel's unit.
+    pub bias: f64,
+}
+
+/// One line for each run and channel, in the order of the data.
+#[must_use]
+pub fn table(data: &Data, at: &Evaluation) -> Vec<ChannelError> {
+    at.blocks
+        .iter()
+        .map(|block| {
+            let run = &data.runs[block.run];
+            let channel = &data.channels[block.channel];
+            let bias = at.sensors[block.channel].bias_of(block.run);
+            let signal: Vec<f64> = run.rows().map(|i| run.measured[block.slot][i] - bias).collect();
+            let error = stats::rms(&block.residual);
+            let size = stats::rms(&signal);
+            let rms = error * channel.noise_std;
+            ChannelError {
+                run: run.record.name.clone(),
+                role: run.role,
+                channel: channel.name.clone(),
+                rows: block.residual.len(),
+                error,
+                rms,
+                percent: if size > 0.0 { 100.0 * rms / size } else { 0.0 },
+                peak: block.residual.iter().fold(0.0f64, |p, r| p.max(r.abs())),
+                bias,
+            }
+        })
+        .collect()
+}
+
+/// The error over several evaluations together: root mean square of all residuals, in noise units.
+#[must_use]
+pub fn pooled(parts: &[&Evaluation]) -> f64 {
+    let squares: f64 = parts.iter().map(|e| e.rms * e.rms * e.residuals() as f64).sum();
+    let count: usize = parts.iter().map(|e| e.residuals()).sum();
+    (squares / count.max(1) as f64).sqrt()
+}
