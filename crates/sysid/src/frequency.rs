@@ -72,9 +72,8 @@ fn response(parts: &[(&Data, &Evaluation)], name: &str, period: f64) -> Option<C
         segment /= 2;
     }
     let welch = Welch::hann(segment);
-    let estimate = |pairs: Vec<(&[f64], &[f64])>| {
-        welch.spectra(period, &pairs).ok().map(|s| s.response(Estimator::H1))
-    };
+    let estimate =
+        |pairs: Vec<(&[f64], &[f64])>| welch.spectra(period, &pairs).ok().map(|s| s.response(Estimator::H1));
     let measured = estimate(columns.iter().map(|(u, y, _)| (u.as_slice(), y.as_slice())).collect())?;
     let predicted = estimate(columns.iter().map(|(u, _, p)| (u.as_slice(), p.as_slice())).collect())?;
     Some(ChannelResponse { channel: name.to_owned(), input: input_name, measured, predicted })
@@ -101,12 +100,12 @@ mod tests {
         let force = all.iter().find(|r| r.channel == "force_1_n").unwrap();
         let mut compared = 0;
         for (i, &coherence) in force.measured.coherence.iter().enumerate() {
-            if coherence > 0.98 {
+            if coherence > 0.95 {
                 let ratio = (force.measured.value[i] / force.predicted.value[i]).norm();
                 assert!((ratio - 1.0).abs() < 0.1, "{} Hz: {ratio}", force.measured.frequency_hz[i]);
                 compared += 1;
             }
         }
-        assert!(compared > 10);
+        assert!(compared > 5);
     }
 }

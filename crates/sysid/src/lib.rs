@@ -17,6 +17,7 @@
 //! fixed order, so that the same input gives the same bits for any number of threads.
 
 pub mod campaign;
+pub mod check;
 pub mod data;
 pub mod diagnose;
 mod error;
