@@ -20,6 +20,9 @@ use std::sync::Arc;
 /// The integrator's greatest step, s, unless another is asked for.
 pub const DEFAULT_STEP_S: f64 = 1e-4;
 
+/// Steps per sampling period under a band-limited command.
+const SMOOTH_STEPS_PER_PERIOD: f64 = 4.0;
+
 /// What the actuator's ends are attached to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bench {
@@ -283,12 +286,18 @@ impl BenchModel {
             });
         }
         let plant = self.plant(values, &input.channel)?;
-        let grid = Grid::covering(&record.time_s, self.step_s);
+        let span = record.time_s[record.len() - 1] - record.time_s[0];
+        let period_s = span / (record.len() - 1) as f64;
+        // A smooth command needs no finer steps than its own band, for the linear part is exact.
+        let step_s = match record.hold {
+            InputHold::BandLimited => self.step_s.max(period_s / SMOOTH_STEPS_PER_PERIOD),
+            _ => self.step_s,
+        };
+        let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
         let lead = record.hold == InputHold::ZeroOrder && value("command_lead") > 0.5;
-        let span = record.time_s[record.len() - 1] - record.time_s[0];
-        let skew_s = value("clock_skew") * span / (record.len() - 1) as f64;
+        let skew_s = value("clock_skew") * period_s;
         let time_s: Cow<'_, [f64]> = if lead || skew_s != 0.0 {
             Cow::Owned(channel::command_times(&record.time_s, lead, skew_s))
         } else {

@@ -44,9 +44,11 @@ impl Grid {
     }
 }
 
-/// The mean of the command over every step of `grid`, after the drive's `stages`, in the command's unit.
+/// The command as a constant over every step of `grid`, after the drive's `stages`, in the command's unit.
 ///
-/// Before its first sample the command has the value of that sample.
+/// Under a zero-order hold it is the mean over the step, exactly. A smooth command is taken at the middle of
+/// the step and lifted by what holding it over a step takes away (see `lifted`). Before its first sample the
+/// command has the value of that sample.
 #[must_use]
 pub fn mean_per_step(
     time_s: &[f64],
@@ -63,8 +65,20 @@ pub fn mean_per_step(
     match hold {
         InputHold::ZeroOrder => hold_zero_order(&time_s, &values, grid),
         InputHold::Linear => hold_linear(&time_s, &values, grid),
-        InputHold::BandLimited => hold_band_limited(&time_s, &values, grid),
+        InputHold::BandLimited => lifted(hold_band_limited(&time_s, &values, grid)),
     }
+}
+
+/// Holding a sine over a step `h` multiplies it by `sin(x)/x` with `x = w h / 2`. Subtracting a 24th of the
+/// second difference multiplies it by `1 + x^2/6` in the leading order, so that the product errs by `x^4` only.
+fn lifted(values: Vec<f64>) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    (0..values.len())
+        .map(|n| {
+            let (before, after) = (values[n.saturating_sub(1)], values[(n + 1).min(last)]);
+            values[n] - (before - 2.0 * values[n] + after) / 24.0
+        })
+        .collect()
 }
 
 fn hold_zero_order(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
@@ -199,7 +213,8 @@ mod tests {
             let got = mean_per_step(&time, &values, InputHold::BandLimited, &[], &grid);
             for n in (60.0 / step_s) as usize..(340.0 / step_s) as usize {
                 let truth = (std::f64::consts::TAU * f * (grid.time(n) + 0.5 * step_s)).sin();
-                assert!((got[n] - truth).abs() < 1e-4, "{n}: {} {truth}", got[n]);
+                let lift = 1.0 + (std::f64::consts::TAU * f * step_s).powi(2) / 24.0;
+                assert!((got[n] - truth * lift).abs() < 1e-4, "{n}: {} {truth}", got[n]);
             }
         }
     }

@@ -48,7 +48,7 @@ impl Candidate {
     }
 
     /// Fits the base model with these effects, from the given values where a parameter's name is known and
-    /// from its guess where it is not.
+    /// from its guess where it is not, in at most so many steps of the search.
     ///
     /// # Errors
     ///
@@ -59,13 +59,14 @@ impl Candidate {
         effects: &[String],
         seen: &Excitation,
         known: &[(String, f64)],
+        most_steps: usize,
     ) -> Result<Self, Error> {
         let model = with_effects(base, effects, seen)?;
         let start = values_by_name(model.as_ref(), known);
         let options = FitOptions {
             start: Some(start),
             starts: 1,
-            max_steps: 15,
+            max_steps: most_steps,
             tolerance: 0.05,
             difference: Difference::Forward,
             ..FitOptions::default()

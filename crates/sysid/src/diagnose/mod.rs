@@ -38,6 +38,8 @@ pub struct Options {
     pub shortlist: usize,
     /// Sets that are fitted at every further size.
     pub shortlist_later: usize,
+    /// Fits of a shortlist that go on to the end.
+    pub finishers: usize,
     /// Single effects that pairs grow from.
     pub beam_first: usize,
     /// Sets that further sizes grow from.
@@ -55,6 +57,7 @@ impl Default for Options {
             starts_fitted: 2,
             shortlist: 12,
             shortlist_later: 8,
+            finishers: 5,
             beam_first: 4,
             beam: 2,
             floor: 1.0,
@@ -122,6 +125,7 @@ pub fn diagnose(
         options,
         floor: options.floor,
         tried: vec![first],
+        screened: Vec::new(),
         progress,
     };
     let found = search.run();

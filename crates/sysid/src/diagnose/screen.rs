@@ -24,8 +24,9 @@ pub struct Promise {
     pub effect: String,
     /// Predicted fall of the cost.
     pub drop: f64,
-    /// The starting values of the effect's parameters, by full name, that promised most, best first.
-    pub starts: Vec<Vec<(String, f64)>>,
+    /// Starting values of the effect's parameters, by full name, with the fall of the cost that each
+    /// promises, best first.
+    pub starts: Vec<(f64, Vec<(String, f64)>)>,
 }
 
 /// Screens effects beside a candidate. `starts_of` says which starting values of an effect to try.
@@ -88,7 +89,9 @@ pub fn screen(
                 drop: tried.first().map_or(0.0, |t| t.0),
                 starts: tried
                     .into_iter()
-                    .map(|(_, s)| card.parameters.iter().zip(s).map(|(p, v)| (name(p), v)).collect())
+                    .map(|(drop, s)| {
+                        (drop, card.parameters.iter().zip(s).map(|(p, v)| (name(p), v)).collect())
+                    })
                     .collect(),
             }
         })

@@ -31,8 +31,19 @@ pub(super) struct Search<'a> {
     pub options: &'a Options,
     pub floor: f64,
     pub tried: Vec<Candidate>,
+    /// What screening found beside which of `tried`.
+    pub screened: Vec<(usize, Vec<Promise>)>,
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
+
+/// Steps that every fit of a shortlist gets before the leaders go on.
+const RACE_STEPS: usize = 4;
+
+/// Most steps of a fit that goes on.
+const FINAL_STEPS: usize = 20;
+
+/// Costs that differ by less are equal: a likelihood ratio of e^10 is decisive.
+const EQUAL_COST: f64 = 10.0;
 
 /// A set to be fitted, and where from.
 struct Plan {
@@ -88,6 +99,8 @@ impl Search<'_> {
             }
         }
         let (chosen, tied) = self.ties(best);
+        let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
+        self.tried[chosen] = settled;
         Found { tried: self.tried, chosen, tied, promises }
     }
 
@@ -97,12 +110,17 @@ impl Search<'_> {
         left < super::compare::WORTH_SQUARED_NOISE * self.floor * self.floor
     }
 
-    fn screen_beside(&self, from: usize, size: usize) -> Vec<Promise> {
+    fn screen_beside(&mut self, from: usize, size: usize) -> Vec<Promise> {
+        if let Some((_, known)) = self.screened.iter().find(|(i, _)| *i == from) {
+            return known.clone();
+        }
         let beside = &self.tried[from];
         (self.progress)(Progress::Screening { beside: beside.effects.clone() });
         let cards = addable(beside.model.as_ref(), self.seen, &self.admitted);
         let most = if size == 1 { self.options.starts } else { self.options.starts_later };
-        screen(self.data, beside, self.seen, &cards, most)
+        let promises = screen(self.data, beside, self.seen, &cards, most);
+        self.screened.push((from, promises.clone()));
+        promises
     }
 
     /// A set with one more effect, from its most promising start and the most promising one that is
@@ -112,17 +130,16 @@ impl Search<'_> {
         if promise.drop <= 0.0 {
             return Vec::new();
         }
-        promise
-            .starts
-            .iter()
+        let promising = promise.starts.iter().filter(|(drop, _)| *drop > 0.5 * promise.drop);
+        promising
             .take(self.options.starts_fitted)
-            .map(|start| {
+            .map(|(drop, start)| {
                 let mut known = beside.known();
                 known.extend(start.iter().cloned());
                 Plan {
                     effects: self.with(&beside.effects, &promise.effect),
                     known,
-                    cost: beside.fit.cost - promise.drop,
+                    cost: beside.fit.cost - drop,
                 }
             })
             .collect()
@@ -145,20 +162,80 @@ impl Search<'_> {
         }
         (self.progress)(Progress::Fitting { sets: sets.clone() });
         let (data, base, seen, most_starts) = (self.data, self.base, self.seen, self.options.starts_fitted);
-        let fitted: Vec<Option<Candidate>> = sets
+        let raced: Vec<Option<Candidate>> = sets
             .par_iter()
             .map(|set| {
                 plans
                     .iter()
                     .filter(|p| p.effects == *set)
                     .take(most_starts)
-                    .filter_map(|p| Candidate::fitted(data, base, set, seen, &p.known).ok())
+                    .filter_map(|p| Candidate::fitted(data, base, set, seen, &p.known, RACE_STEPS).ok())
                     .reduce(|best, other| if other.fit.cost < best.fit.cost { other } else { best })
             })
             .collect();
+        let mut raced: Vec<Candidate> = raced.into_iter().flatten().collect();
+        raced.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+        // Those that lead after a few steps are fitted to the end.
+        let finished: Vec<Candidate> = raced
+            .into_par_iter()
+            .enumerate()
+            .map(|(place, c)| match place {
+                // A choice that the base model made far from the truth may be wrong beside an effect.
+                0 | 1 => self.with_best_choice(self.finished(c), 0.0),
+                _ if place < self.options.finishers => self.finished(c),
+                _ => c,
+            })
+            .collect();
         let first = self.tried.len();
-        self.tried.extend(fitted.into_iter().flatten());
+        self.tried.extend(finished);
         (first..self.tried.len()).collect()
+    }
+
+    /// The candidate under the discrete choice that fits best; of choices whose costs differ by no more than
+    /// `equal`, the first.
+    fn with_best_choice(&self, candidate: Candidate, equal: f64) -> Candidate {
+        let choices = crate::fit::choices(self.base);
+        let parameters = self.base.parameters();
+        let discrete: Vec<usize> = (0..parameters.len())
+            .filter(|&i| parameters[i].fixed && !parameters[i].starts.is_empty())
+            .collect();
+        if discrete.is_empty() {
+            return candidate;
+        }
+        let mut all: Vec<Candidate> = Vec::new();
+        for choice in choices {
+            let mut known = candidate.known();
+            let mut same = true;
+            for &i in &discrete {
+                let Some(entry) = known.iter_mut().find(|(name, _)| *name == parameters[i].name) else {
+                    continue;
+                };
+                same &= entry.1 == choice[i];
+                entry.1 = choice[i];
+            }
+            if same {
+                all.push(candidate.clone());
+            } else {
+                let effects = &candidate.effects;
+                all.extend(
+                    Candidate::fitted(self.data, self.base, effects, self.seen, &known, FINAL_STEPS).ok(),
+                );
+            }
+        }
+        let least = all.iter().map(|c| c.fit.cost).fold(f64::INFINITY, f64::min);
+        all.into_iter().find(|c| c.fit.cost <= least + equal).unwrap_or(candidate)
+    }
+
+    /// A candidate whose fit has converged, if it can.
+    fn finished(&self, candidate: Candidate) -> Candidate {
+        if candidate.fit.converged {
+            return candidate;
+        }
+        let known = candidate.known();
+        Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, FINAL_STEPS)
+            .ok()
+            .filter(|f| f.fit.cost <= candidate.fit.cost)
+            .unwrap_or(candidate)
     }
 
     fn mean_square(&self, index: usize) -> f64 {
@@ -177,6 +254,12 @@ impl Search<'_> {
     fn frontier(&self, mut fitted: Vec<usize>, size: usize) -> Vec<usize> {
         fitted.sort_by(|&a, &b| self.mean_square(a).total_cmp(&self.mean_square(b)));
         fitted.truncate(if size == 1 { self.options.beam_first } else { self.options.beam });
+        // Where one set explains nearly everything, growing from sets that do not is a waste.
+        let excess = |i: usize| (self.mean_square(i) - self.floor * self.floor).max(0.0);
+        if let Some(&best) = fitted.first() {
+            let near = (10.0 * excess(best)).max(0.02 * excess(0));
+            fitted.retain(|&i| i == best || excess(i) <= near || excess(best) > 0.1 * excess(0));
+        }
         fitted
     }
 
@@ -186,7 +269,7 @@ impl Search<'_> {
             return Some(i);
         }
         let known = self.tried[near].known();
-        let fitted = Candidate::fitted(self.data, self.base, effects, self.seen, &known).ok()?;
+        let fitted = Candidate::fitted(self.data, self.base, effects, self.seen, &known, FINAL_STEPS).ok()?;
         self.tried.push(fitted);
         Some(self.tried.len() - 1)
     }
