@@ -2,8 +2,9 @@
 
 use sealegs_recorder::RecorderError;
 use sealegs_recorder::recording::{
-    Arrow, ArrowState, Body, Color, Document, Ending, Frame, Geometry, Level, Output, Pose, Poses,
-    RecordingContents, RecordingWriter, Rod, RodState, Scene, SeriesGroup, Shape,
+    Arrow, ArrowState, Body, Color, ComparedChannel, ComparedRun, Comparison, Document, Ending, Frame,
+    Geometry, Level, Output, Pose, Poses, RecordingContents, RecordingWriter, Rod, RodState, Scene,
+    SeriesGroup, Shape,
 };
 use std::path::Path;
 
@@ -115,8 +116,10 @@ fn a_recording_cut_anywhere_is_never_taken_for_whole() {
     assert!(part.series.iter().any(|s| s.values.len() < 2345));
     assert!(part.series.iter().any(|s| s.values.len() >= 900));
     // Shorter than its own header: no recording at all.
-    std::fs::write(&cut, &bytes[..5]).unwrap();
-    assert!(matches!(RecordingContents::read(&cut), Err(RecorderError::Unreadable { .. })));
+    for no_recording in [&bytes[..5], b"time_s,current_a\n0,1\n0.001,1\n0.002,1\n".as_slice(), &[]] {
+        std::fs::write(&cut, no_recording).unwrap();
+        assert!(matches!(RecordingContents::read(&cut), Err(RecorderError::Unreadable { .. })));
+    }
 }
 
 #[test]
@@ -172,4 +175,42 @@ fn a_place_that_cannot_be_written_is_named() {
     let output = Output::File(folder.path().join("no-such-folder").join("run.rrd"));
     let message = RecordingWriter::create(&output, &scene()).unwrap_err().to_string();
     assert!(message.contains("no-such-folder"), "{message}");
+}
+
+#[test]
+fn a_comparison_holds_all_curves_and_their_residuals() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("comparison.rrd");
+    let time_s: Vec<f64> = (0..5000).map(|i| f64::from(i) * 1e-3).collect();
+    let measured: Vec<f64> = time_s.iter().map(|t| 100.0 * t.sin()).collect();
+    let before: Vec<f64> = measured.iter().map(|m| 0.9 * m).collect();
+    let after: Vec<f64> = measured.iter().map(|m| m - 0.5).collect();
+    let channel = ComparedChannel {
+        name: "force_1_n".into(),
+        unit: "N".into(),
+        measured: measured.clone(),
+        before: Some(before),
+        after: Some(after),
+    };
+    let run = ComparedRun { name: "run-01 (fit)".into(), time_s, channels: vec![channel] };
+    let comparison =
+        Comparison { name: "campaign".into(), runs: vec![run], summary_markdown: "# Backlash".into() };
+    comparison.write(&Output::File(path.clone())).unwrap();
+
+    let contents = RecordingContents::read(&path).unwrap();
+    assert!(contents.is_complete());
+    let series = |what: &str| {
+        let group = format!("run-01 (fit)/force_1_n/{what}");
+        contents.series(&group, &format!("{what} [N]")).unwrap()
+    };
+    assert_eq!(series("measured").values, measured);
+    for (i, m) in measured.iter().enumerate() {
+        assert!((series("residual_before").values[i] - 0.1 * m).abs() < 1e-12);
+        assert!((series("residual_after").values[i] - 0.5).abs() < 1e-12);
+    }
+
+    let mut short = comparison.clone();
+    short.runs[0].channels[0].measured.pop();
+    let output = Output::File(folder.path().join("short.rrd"));
+    assert!(matches!(short.write(&output), Err(RecorderError::Mismatch { expected: 5000, found: 4999, .. })));
 }

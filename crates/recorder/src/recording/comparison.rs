@@ -1,4 +1,26 @@
 //! Measured and predicted channels side by side in one recording.
+//!
+//! Paths are `<run>/<channel>/measured`, `model_before`, `model_after`, `residual_before` and
+//! `residual_after`: one recording, because two do not share a time cursor.
+
+use super::Color;
+use super::entities::{refused, time_column};
+use super::layout::{self, Part, View};
+use super::paths::{self, COMPLETE, DOCUMENTS, TIMELINE};
+use super::scene_view::plot;
+use super::writer::{Output, close, open};
+use crate::RecorderError;
+use rerun::{EntityPath, RecordingStream};
+use std::collections::BTreeSet;
+
+/// Values that are sent at once.
+const CHUNK: usize = 4096;
+/// What stands beside `measured`, with its colour and width: the same as in the reports.
+const MEASURED: (&str, Color, f32) = ("measured", Color::new(0xE8, 0xEA, 0xED), 2.5);
+const BEFORE: (&str, Color, f32) = ("model_before", Color::ORANGE, 1.5);
+const AFTER: (&str, Color, f32) = ("model_after", Color::SKY_BLUE, 1.5);
+const RESIDUAL_BEFORE: (&str, Color, f32) = ("residual_before", Color::ORANGE, 1.2);
+const RESIDUAL_AFTER: (&str, Color, f32) = ("residual_after", Color::SKY_BLUE, 1.2);
 
 /// Runs with what was measured, what the model said before and what it says after.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -35,4 +57,138 @@ pub struct ComparedChannel {
     pub before: Option<Vec<f64>>,
     /// The model after, if there is one. Its residual is added.
     pub after: Option<Vec<f64>>,
+}
+
+impl Comparison {
+    /// Writes the recording, or shows it live.
+    ///
+    /// # Errors
+    ///
+    /// [`RecorderError::Mismatch`] if a channel is not as long as its run, [`RecorderError::Duplicate`] if
+    /// two runs or channels have one name, otherwise as for a run's recording.
+    pub fn write(&self, output: &Output) -> Result<(), RecorderError> {
+        self.check()?;
+        let (stream, file) = open(output, "sealegs", &self.name)?;
+        layout::send(&stream, TIMELINE, &self.layout())?;
+        let summary = rerun::TextDocument::from_markdown(self.summary_markdown.as_str());
+        stream.log_static(summary_path(), &summary).map_err(refused)?;
+        for run in &self.runs {
+            for channel in &run.channels {
+                for (what, values) in channel.curves() {
+                    send(&stream, run, channel, what, &values)?;
+                }
+            }
+        }
+        close(stream, file.as_deref(), COMPLETE)
+    }
+
+    fn check(&self) -> Result<(), RecorderError> {
+        let mut seen = BTreeSet::from([paths::path([DOCUMENTS, "x"]).to_string()]);
+        for run in &self.runs {
+            for channel in &run.channels {
+                let path = paths::path([run.name.as_str(), &channel.name]).to_string();
+                let expected = run.time_s.len();
+                let curves = [
+                    Some(&channel.measured).filter(|m| !m.is_empty()),
+                    channel.before.as_ref(),
+                    channel.after.as_ref(),
+                ];
+                if let Some(found) = curves.iter().flatten().map(|c| c.len()).find(|n| *n != expected) {
+                    return Err(RecorderError::Mismatch {
+                        what: format!("values of {path}"),
+                        expected,
+                        found,
+                    });
+                }
+                if !seen.insert(path.clone()) {
+                    return Err(RecorderError::Duplicate { path });
+                }
+            }
+            if let Some(pair) = run.time_s.windows(2).find(|w| !(w[0] < w[1])) {
+                return Err(RecorderError::TimeOrder { time_s: pair[1], previous_s: pair[0] });
+            }
+        }
+        Ok(())
+    }
+
+    /// The summary first, then a tab for each run: each channel overlaid, its residuals below.
+    fn layout(&self) -> Part {
+        let summary = View::new("TextDocument", "Summary", summary_path()).showing([summary_path()]);
+        let mut pages = vec![("Summary".to_owned(), Part::View(summary))];
+        for run in &self.runs {
+            let mut plots = Vec::new();
+            for channel in &run.channels {
+                let of = |names: &[&str]| {
+                    names
+                        .iter()
+                        .filter(|n| channel.curves().iter().any(|(what, _)| what.0 == **n))
+                        .map(|n| paths::path([run.name.as_str(), &channel.name, n]))
+                        .collect::<Vec<_>>()
+                };
+                let title = format!("{} [{}]", channel.name, channel.unit);
+                let overlay = of(&[MEASURED.0, BEFORE.0, AFTER.0]);
+                plots.push((2.0, Part::View(plot(title.clone(), overlay))));
+                let residuals = of(&[RESIDUAL_BEFORE.0, RESIDUAL_AFTER.0]);
+                if !residuals.is_empty() {
+                    let title = format!("residual (measured - model) of {title}");
+                    plots.push((1.0, Part::View(plot(title, residuals))));
+                }
+            }
+            pages.push((run.name.clone(), Part::Column(plots)));
+        }
+        if self.runs.is_empty() {
+            return Part::Tabs(pages);
+        }
+        let summary = pages.remove(0).1;
+        Part::Row(vec![(0.3, summary), (0.7, Part::Tabs(pages))])
+    }
+}
+
+type Curve = (&'static str, Color, f32);
+
+impl ComparedChannel {
+    /// Everything that is drawn of the channel.
+    fn curves(&self) -> Vec<(Curve, Vec<f64>)> {
+        let mut curves = Vec::new();
+        if !self.measured.is_empty() {
+            curves.push((MEASURED, self.measured.clone()));
+        }
+        for (model, curve, residual) in
+            [(&self.before, BEFORE, RESIDUAL_BEFORE), (&self.after, AFTER, RESIDUAL_AFTER)]
+        {
+            if let Some(model) = model {
+                curves.push((curve, model.clone()));
+                if !self.measured.is_empty() {
+                    let difference = self.measured.iter().zip(model).map(|(m, p)| m - p).collect();
+                    curves.push((residual, difference));
+                }
+            }
+        }
+        curves
+    }
+}
+
+fn summary_path() -> EntityPath {
+    paths::path([DOCUMENTS, "Summary"])
+}
+
+fn send(
+    stream: &RecordingStream,
+    run: &ComparedRun,
+    channel: &ComparedChannel,
+    (what, color, width): Curve,
+    values: &[f64],
+) -> Result<(), RecorderError> {
+    let path = paths::path([run.name.as_str(), &channel.name, what]);
+    let style = rerun::SeriesLines::new()
+        .with_names([format!("{what} [{}]", channel.unit)])
+        .with_colors([rerun::Color::from(color)])
+        .with_widths([width]);
+    stream.log_static(path.clone(), &style).map_err(refused)?;
+    for (time_s, values) in run.time_s.chunks(CHUNK).zip(values.chunks(CHUNK)) {
+        let columns =
+            rerun::Scalars::new(values.iter().copied()).columns_of_unit_batches().map_err(refused)?;
+        stream.send_columns(path.clone(), [time_column(time_s)], columns).map_err(refused)?;
+    }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use super::paths::{self, COMPLETE, ENDING, EVENTS, TIMELINE};
 use crate::RecorderError;
 use rerun::external::re_log_encoding::DecoderApp;
-use rerun::external::re_log_encoding::rrd::{Decodable as _, StreamFooter};
+use rerun::external::re_log_encoding::rrd::{Decodable as _, StreamFooter, StreamHeader};
 use rerun::log::{Chunk, LogMsg};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
@@ -196,6 +196,13 @@ fn unreadable(path: &Path, what: impl std::fmt::Display) -> RecorderError {
 pub(super) fn has_footer(path: &Path) -> Result<bool, RecorderError> {
     let mut file = std::fs::File::open(path).map_err(|e| file_error(path, e))?;
     let length = file.metadata().map_err(|e| file_error(path, e))?.len();
+    let head = StreamHeader::ENCODED_SIZE_BYTES;
+    let mut header = vec![0; head];
+    if length < head as u64 {
+        return Err(unreadable(path, "it is too short for a recording"));
+    }
+    file.read_exact(&mut header).map_err(|e| file_error(path, e))?;
+    StreamHeader::from_rrd_bytes(&header).map_err(|e| unreadable(path, e))?;
     let tail = StreamFooter::ENCODED_SIZE_BYTES as u64;
     if length < tail {
         return Ok(false);

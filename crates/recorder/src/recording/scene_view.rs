@@ -5,9 +5,12 @@ use super::layout::{Part, View};
 use super::paths::{self, DOCUMENTS, EVENTS, WORLD};
 use super::{Geometry, Poses, Scene};
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    Background, EyeControls3D, LineGrid3D, PlotLegend, TimeAxis,
+    Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns, TimeAxis,
 };
-use rerun::external::re_sdk_types::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind, LinkAxis};
+use rerun::external::re_sdk_types::blueprint::components::{
+    BackgroundKind, Corner2D, Eye3DKind, LinkAxis, TextLogColumn,
+};
+use rerun::external::re_sdk_types::blueprint::datatypes::{TextLogColumn as ColumnOf, TextLogColumnKind};
 
 /// The whole layout. The eye is placed by the first poses, if there are any yet.
 pub(super) fn layout(scene: &Scene, poses: &[Poses]) -> Part {
@@ -19,7 +22,7 @@ pub(super) fn layout(scene: &Scene, poses: &[Poses]) -> Part {
         } else {
             format!("{} [{}]", group.title, group.unit)
         };
-        let plot = (1.0, Part::View(plot(title, &[group.name.as_str()])));
+        let plot = (1.0, Part::View(plot(title, [paths::group(&group.name)])));
         match tabs.iter_mut().find(|(name, _)| *name == group.tab) {
             Some((_, plots)) => plots.push(plot),
             None => tabs.push((group.tab.clone(), vec![plot])),
@@ -35,7 +38,7 @@ pub(super) fn layout(scene: &Scene, poses: &[Poses]) -> Part {
     if !pages.is_empty() {
         right.push((4.0, Part::Tabs(pages)));
     }
-    right.push((1.0, Part::View(View::new("TextLog", "Events", paths::path([EVENTS])))));
+    right.push((1.0, Part::View(events())));
 
     if scene.bodies.is_empty() && scene.rods.is_empty() && scene.arrows.is_empty() {
         return Part::Column(right);
@@ -43,12 +46,20 @@ pub(super) fn layout(scene: &Scene, poses: &[Poses]) -> Part {
     Part::Row(vec![(0.85, Part::View(space(scene, poses))), (1.15, Part::Column(right))])
 }
 
-/// A plot of the given series groups, on a time axis that all plots share.
-pub(super) fn plot(title: String, groups: &[&str]) -> View {
+/// A plot of the given series, on a time axis that all plots share.
+pub(super) fn plot(title: String, entities: impl IntoIterator<Item = rerun::EntityPath>) -> View {
     View::new("TimeSeries", title, rerun::EntityPath::root())
-        .showing(groups.iter().map(|g| paths::group(g)))
+        .showing(entities)
         .with("PlotLegend", &PlotLegend::new().with_corner(Corner2D::RightTop))
         .with("TimeAxis", &TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
+}
+
+/// The text log without the column of its path, which is always the same.
+fn events() -> View {
+    let column = |kind| TextLogColumn(ColumnOf { visible: true.into(), kind });
+    let columns = TextLogColumns::new()
+        .with_text_log_columns([column(TextLogColumnKind::LogLevel), column(TextLogColumnKind::Body)]);
+    View::new("TextLog", "Events", paths::path([EVENTS])).with("TextLogColumns", &columns)
 }
 
 fn space(scene: &Scene, poses: &[Poses]) -> View {
@@ -61,9 +72,12 @@ fn space(scene: &Scene, poses: &[Poses]) -> View {
         .with_position(std::array::from_fn::<f32, 3, _>(|i| (center[i] + distance * direction[i]) as f32))
         .with_look_target(center.map(|v| v as f32))
         .with_eye_up([0.0_f32, 0.0, 1.0]);
+    // One calm colour: the viewer's gradient is as colourful as the forces.
+    let background =
+        Background::new(BackgroundKind::SolidColor).with_color(rerun::Color::from_rgb(0x16, 0x1A, 0x20));
     View::new("3D", format!("{} (metres, z up)", scene.name), paths::path([WORLD]))
         .with("EyeControls3D", &eye)
-        .with("Background", &Background::new(BackgroundKind::GradientDark))
+        .with("Background", &background)
         // Our own ground shows where the ground is; the viewer's grid would lie at z = 0 whatever the slope.
         .with("LineGrid3D", &LineGrid3D::new().with_visible(scene.ground.is_none()))
 }

@@ -1,0 +1,156 @@
+//! Horizontal bars with names and numbers: ranking of effects, shares of an error against shares of samples.
+
+use super::svg::{line, open, px, text, text_width, wrap};
+use super::{Axis, Hue, Picture, Size, Ticks};
+
+/// One row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bar {
+    /// What it is.
+    pub label: String,
+    /// Values, one for each of the chart's series; drawn one below the other. NaN draws none.
+    pub values: Vec<f64>,
+    /// What is written at the end of the first bar, for example `12 %`.
+    pub text: String,
+}
+
+/// A chart of horizontal bars, all starting at zero.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BarChart {
+    /// What is shown.
+    pub title: String,
+    /// The axis of the values.
+    pub axis: Axis,
+    /// Names of the series and their colours: one or two.
+    pub series: Vec<(String, Hue)>,
+    /// The rows from top to bottom.
+    pub bars: Vec<Bar>,
+}
+
+impl BarChart {
+    fn thickness(&self) -> f64 {
+        if self.series.len() > 1 { 9.0 } else { 14.0 }
+    }
+
+    fn row(&self) -> f64 {
+        self.thickness() * self.series.len().max(1) as f64 + 9.0
+    }
+
+    /// On a phone the name stands above its bars.
+    fn label_above(size: Size) -> bool {
+        size.width < 500.0
+    }
+
+    fn head(&self, width: f64) -> f64 {
+        let titles = wrap(&self.title, 14.5, width - 16.0).len() as f64;
+        17.0 * titles + 12.0 + if self.series.len() > 1 { 19.0 * self.legend_rows(width) } else { 0.0 }
+    }
+
+    fn legend_rows(&self, width: f64) -> f64 {
+        let total: f64 = self.series.iter().map(|(label, _)| 36.0 + text_width(label, 13.0)).sum();
+        if total > width - 16.0 { self.series.len() as f64 } else { 1.0 }
+    }
+}
+
+impl Picture for BarChart {
+    fn height(&self, size: Size) -> f64 {
+        let extra = if Self::label_above(size) { 16.0 } else { 0.0 };
+        self.head(size.width) + (self.row() + extra) * self.bars.len() as f64 + 48.0
+    }
+
+    fn svg(&self, size: Size) -> String {
+        let above = Self::label_above(size);
+        let widest = self.bars.iter().map(|b| text_width(&b.label, 13.0)).fold(0.0, f64::max);
+        let left = if above { 10.0 } else { (widest + 16.0).min(0.42 * size.width) };
+        let ends = self.bars.iter().map(|b| text_width(&b.text, 12.0)).fold(0.0, f64::max);
+        let right = size.width - ends - 16.0;
+        let values = || self.bars.iter().flat_map(|b| &b.values).copied().filter(|v| v.is_finite());
+        let range = self.axis.fit(values().fold(0.0, f64::min), values().fold(0.0, f64::max), 0.0);
+        let ticks = Ticks::new(self.axis.scale, range, ((right - left) / 85.0).max(2.0) as usize);
+        let at = |v: f64| left + (right - left) * ((v - range.0) / (range.1 - range.0)).clamp(0.0, 1.0);
+        let height = self.height(size);
+        let (top, bottom) = (self.head(size.width), height - 44.0);
+
+        let mut svg = open(size.width, height, &self.title, "");
+        let mut y = 6.0;
+        for part in wrap(&self.title, 14.5, size.width - 16.0) {
+            y += 17.0;
+            svg.push_str(&text(8.0, y, "start", "ttl", &part));
+        }
+        if self.series.len() > 1 {
+            let (mut x, stacked) = (8.0, self.legend_rows(size.width) > 1.0);
+            y += 19.0;
+            for (label, hue) in &self.series {
+                svg.push_str(&rect(x, y - 9.0, 14.0, 10.0, *hue));
+                svg.push_str(&text(x + 20.0, y, "start", "leg", label));
+                if stacked {
+                    y += 19.0;
+                } else {
+                    x += 36.0 + text_width(label, 13.0);
+                }
+            }
+        }
+        for (v, label) in &ticks.major {
+            svg.push_str(&line((at(*v), top), (at(*v), bottom), "gr"));
+            svg.push_str(&text(at(*v), bottom + 16.0, "middle", "tick", label));
+        }
+        let mut y = top + 4.0;
+        for bar in &self.bars {
+            if above {
+                svg.push_str(&text(
+                    left,
+                    y + 11.0,
+                    "start",
+                    "lab",
+                    &shortened(&bar.label, size.width - 14.0),
+                ));
+                y += 16.0;
+            } else {
+                let middle = y + 0.5 * (self.row() - 9.0) + 4.5;
+                svg.push_str(&text(left - 8.0, middle, "end", "lab", &shortened(&bar.label, left - 12.0)));
+            }
+            for (i, (value, (_, hue))) in bar.values.iter().zip(&self.series).enumerate() {
+                if value.is_finite() {
+                    let (a, b) = (at(0.0).min(at(*value)), at(0.0).max(at(*value)));
+                    svg.push_str(&rect(a, y, (b - a).max(0.8), self.thickness() - 1.0, *hue));
+                    if i == 0 {
+                        svg.push_str(&text(
+                            b + 6.0,
+                            y + 0.5 * self.thickness() + 4.0,
+                            "start",
+                            "halo",
+                            &bar.text,
+                        ));
+                    }
+                }
+                y += self.thickness();
+            }
+            y += 9.0;
+        }
+        svg.push_str(&line((at(0.0), top), (at(0.0), bottom), "fr"));
+        let label = super::axis::axis_label(&self.axis, ticks.exponent);
+        svg.push_str(&text(0.5 * (left + right), bottom + 36.0, "middle", "lab", &label));
+        svg.push_str("</svg>");
+        svg
+    }
+}
+
+/// A text that fits, with an ellipsis where it had to be cut.
+fn shortened(label: &str, width: f64) -> String {
+    let mut out = label.to_owned();
+    while text_width(&out, 12.5) > width && out.chars().count() > 2 {
+        out = out.chars().take(out.chars().count() - 2).collect::<String>() + "…";
+    }
+    out
+}
+
+fn rect(x: f64, y: f64, width: f64, height: f64, hue: Hue) -> String {
+    format!(
+        "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"br {}\"/>",
+        px(x),
+        px(y),
+        px(width),
+        px(height),
+        hue.class()
+    )
+}

@@ -1,0 +1,106 @@
+//! A map: one value for each cell of a grid, as shade and as number.
+
+use super::axis::axis_label;
+use super::svg::{open, px, text, text_width, wrap};
+use super::{Axis, Picture, Size};
+
+/// A grid of values, for example the residual by speed and load.
+///
+/// The shade goes from the page's own colour at the least value to vermillion at the greatest; each cell
+/// says its number too, so that nothing hangs on the shade. Cells that are not a number are empty: no data.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct HeatMap {
+    /// What is shown.
+    pub title: String,
+    /// The horizontal quantity; only its label and unit are used.
+    pub x: Axis,
+    /// The vertical quantity; only its label and unit are used.
+    pub y: Axis,
+    /// Names of the columns from left to right, for example `0 to 0.1`.
+    pub columns: Vec<String>,
+    /// Names of the rows from bottom to top.
+    pub rows: Vec<String>,
+    /// Values, row after row from the bottom.
+    pub values: Vec<f64>,
+    /// What the values are, with unit, for example `residual RMS [noise units]`.
+    pub value_label: String,
+    /// Decimals of the numbers.
+    pub decimals: usize,
+}
+
+impl Picture for HeatMap {
+    fn height(&self, size: Size) -> f64 {
+        self.head(size) + 30.0 * self.rows.len() as f64 + 58.0
+    }
+
+    fn svg(&self, size: Size) -> String {
+        let height = self.height(size);
+        let widest = self.rows.iter().map(|r| text_width(r, 12.0)).fold(0.0, f64::max);
+        let (left, right) = (30.0 + widest + 8.0, size.width - 10.0);
+        let (top, cell_height) = (self.head(size), 30.0);
+        let cell_width = (right - left) / self.columns.len().max(1) as f64;
+        let finite = || self.values.iter().copied().filter(|v| v.is_finite());
+        let (low, high) =
+            (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+
+        let mut svg = open(size.width, height, &self.title, "");
+        let mut y = 6.0;
+        for (part, class) in self.lines(size) {
+            y += 17.0;
+            svg.push_str(&text(8.0, y, "start", class, &part));
+        }
+        let bottom = top + cell_height * self.rows.len() as f64;
+        for (j, row) in self.rows.iter().enumerate() {
+            let y = bottom - cell_height * (j + 1) as f64;
+            svg.push_str(&text(left - 7.0, y + 19.5, "end", "tick", row));
+            for i in 0..self.columns.len() {
+                let x = left + cell_width * i as f64;
+                let value = self.values.get(j * self.columns.len() + i).copied().unwrap_or(f64::NAN);
+                if !value.is_finite() {
+                    continue;
+                }
+                let share = if high > low { (value - low) / (high - low) } else { 0.0 };
+                svg.push_str(&format!(
+                    "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" style=\"fill:color-mix(in srgb,var(--m1) {}%,var(--m0))\"/>",
+                    px(x + 1.0), px(y + 1.0), px(cell_width - 2.0), px(cell_height - 2.0), (75.0 * share).round()
+                ));
+                let number = format!("{value:.*}", self.decimals);
+                if text_width(&number, 12.0) <= cell_width {
+                    svg.push_str(&text(x + 0.5 * cell_width, y + 19.5, "middle", "lab", &number));
+                }
+            }
+        }
+        // Crowded column names are left out one after another.
+        let widest = self.columns.iter().map(|c| text_width(c, 12.0)).fold(0.0, f64::max) + 6.0;
+        let every = (widest / cell_width).ceil().max(1.0) as usize;
+        for (i, column) in self.columns.iter().enumerate().step_by(every) {
+            svg.push_str(&text(
+                left + cell_width * (i as f64 + 0.5),
+                bottom + 17.0,
+                "middle",
+                "tick",
+                column,
+            ));
+        }
+        svg.push_str(&text(0.5 * (left + right), bottom + 37.0, "middle", "lab", &axis_label(&self.x, 0)));
+        svg.push_str(&format!(
+            "<text transform=\"translate(17 {}) rotate(-90)\" text-anchor=\"middle\" class=\"lab\">{}</text>",
+            px(0.5 * (top + bottom)),
+            super::escape(&axis_label(&self.y, 0))
+        ));
+        svg.push_str("</svg>");
+        svg
+    }
+}
+
+impl HeatMap {
+    fn lines(&self, size: Size) -> Vec<(String, &'static str)> {
+        let wrapped = |t: &str, px: f64| wrap(t, px, size.width - 16.0);
+        let title = wrapped(&self.title, 14.5).into_iter().map(|t| (t, "ttl"));
+        title.chain(wrapped(&self.value_label, 13.0).into_iter().map(|t| (t, "lab"))).collect()
+    }
+
+    fn head(&self, size: Size) -> f64 {
+        14.0 + 17.0 * self.lines(size).len() as f64
+    }
+}
