@@ -144,16 +144,16 @@ impl Ticks {
     }
 }
 
-/// The next of 1, 2, 5 times a power of ten.
+/// The nearest of 1, 2, 5 times a power of ten.
 fn nice_step(rough: f64) -> f64 {
     if !(rough > 0.0 && rough.is_finite()) {
         return 1.0;
     }
     let power = 10_f64.powf(rough.log10().floor());
     let factor = match rough / power {
-        r if r <= 1.000_001 => 1.0,
-        r if r <= 2.000_001 => 2.0,
-        r if r <= 5.000_001 => 5.0,
+        r if r <= 1.5 => 1.0,
+        r if r <= 3.5 => 2.0,
+        r if r <= 7.5 => 5.0,
         _ => 10.0,
     };
     factor * power
@@ -229,7 +229,7 @@ mod tests {
         let ticks = Ticks::new(AxisScale::Linear, (0.0, 0.0031), 3);
         assert_eq!((labels(&ticks), ticks.exponent), (vec!["0", "1", "2", "3"], -3));
         let ticks = Ticks::new(AxisScale::Linear, (0.0, 655e3), 3);
-        assert_eq!((labels(&ticks), ticks.exponent), (vec!["0", "500"], 3));
+        assert_eq!((labels(&ticks), ticks.exponent), (vec!["0", "200", "400", "600"], 3));
         assert_eq!(axis_label(&Axis::new("Stiffness", "N/m"), 3), "Stiffness [10³ N/m]");
     }
 

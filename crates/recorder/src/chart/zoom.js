@@ -17,7 +17,7 @@
     if (text !== undefined) el.textContent = text;
     return el;
   };
-  const nice = r => { const p = 10 ** Math.floor(Math.log10(r)), f = r / p; return (f <= 1 ? 1 : f <= 2 ? 2 : f <= 5 ? 5 : 10) * p; };
+  const nice = r => { const p = 10 ** Math.floor(Math.log10(r)), f = r / p; return (f <= 1.5 ? 1 : f <= 3.5 ? 2 : f <= 7.5 ? 5 : 10) * p; };
   const ticks = (lo, hi, n) => {
     const s = nice((hi - lo) / n), out = [];
     for (let i = Math.ceil(lo / s - 1e-9); i * s <= hi + s * 1e-9; i++) out.push(i * s);
