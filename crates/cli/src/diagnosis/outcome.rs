@@ -1,0 +1,236 @@
+//! A diagnosis in the data contract's words: what `--json` writes and what text and report print.
+
+use sealegs_sysid::Fit;
+use sealegs_sysid::diagnose::{Diagnosis, Judged, VerdictKind};
+use serde::Serialize;
+
+/// The contract's keys, and a few more.
+#[derive(Debug, Clone, Serialize)]
+pub struct Outcome {
+    /// The campaign's name.
+    pub campaign: String,
+    /// The floor of errors, in noise units.
+    pub noise_floor: f64,
+    /// The refitted base model.
+    pub base: Side,
+    /// `adequate`, `missing-effect`, `partly-explained` or `unexplained`.
+    pub verdict: &'static str,
+    /// The effects that are named.
+    pub effects: Vec<String>,
+    /// Other sets that these data cannot tell from them.
+    pub indistinguishable: Vec<Vec<String>>,
+    /// The model with the effects.
+    pub after: Option<Side>,
+    /// Part of the residual energy above the floor that is left.
+    pub unexplained_share: f64,
+    /// Sets by their prediction of left-out stretches, best first.
+    pub ranking: Vec<Ranked>,
+    /// Which experiment would tell more.
+    pub next_experiment: String,
+    /// The verdict in one sentence.
+    pub sentence: String,
+    /// What else a reader should know: the files' oddities.
+    pub notes: Vec<String>,
+    /// What it cost.
+    pub work: Work,
+    /// Where the numbers come from.
+    pub provenance: super::provenance::Provenance,
+}
+
+/// A model with its errors.
+#[derive(Debug, Clone, Serialize)]
+pub struct Side {
+    /// Root mean square residual of the holdout runs, in noise units.
+    pub holdout_error: f64,
+    /// The same of the fit runs.
+    pub fit_error: f64,
+    /// Its parameters.
+    pub parameters: Vec<ParameterValue>,
+    /// Its sensors.
+    pub sensors: Vec<SensorValue>,
+}
+
+/// A fitted parameter.
+#[derive(Debug, Clone, Serialize)]
+pub struct ParameterValue {
+    /// Its name.
+    pub name: String,
+    /// Its value in its unit.
+    pub value: f64,
+    /// One standard error; 0 for a fixed one, none where the data say nothing at all.
+    pub std: Option<f64>,
+    /// The unit; empty for a ratio.
+    pub unit: String,
+    /// Not fitted.
+    pub fixed: bool,
+    /// It ended on a bound.
+    pub at_bound: bool,
+    /// The data say something about it.
+    pub felt: bool,
+}
+
+/// A sensor's fitted gain and bias.
+#[derive(Debug, Clone, Serialize)]
+pub struct SensorValue {
+    /// The channel.
+    pub channel: String,
+    /// Measured per true.
+    pub gain: f64,
+    /// Its standard error.
+    pub gain_std: f64,
+    /// Common bias in the channel's unit.
+    pub bias: f64,
+    /// How far the runs' own biases scatter about it.
+    pub bias_spread: f64,
+}
+
+/// A set in the ranking.
+#[derive(Debug, Clone, Serialize)]
+pub struct Ranked {
+    /// The set.
+    pub effects: Vec<String>,
+    /// Root mean square residual of the holdout runs, in noise units.
+    pub holdout_error: f64,
+    /// Log-likelihood ratio against the base model on left-out stretches of the fit runs.
+    pub evidence: f64,
+    /// All parameters of the model with the set.
+    pub parameters: Vec<ParameterValue>,
+}
+
+/// What a diagnosis cost.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Work {
+    /// Simulations.
+    pub simulations: u64,
+    /// Seconds of experiment that they covered.
+    pub simulated_s: f64,
+}
+
+/// The parameters of a fit.
+#[must_use]
+pub fn parameters(fit: &Fit) -> Vec<ParameterValue> {
+    fit.parameters
+        .iter()
+        .filter(|p| p.value.is_finite())
+        .map(|p| ParameterValue {
+            name: p.name.clone(),
+            value: p.value,
+            std: Some(p.std).filter(|s| s.is_finite()),
+            unit: p.unit.clone(),
+            fixed: p.fixed,
+            at_bound: p.at_bound.is_some(),
+            felt: p.felt,
+        })
+        .collect()
+}
+
+/// The sensors of a fit.
+#[must_use]
+pub fn sensors(fit: &Fit) -> Vec<SensorValue> {
+    let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
+    fit.sensors()
+        .iter()
+        .map(|s| SensorValue {
+            channel: s.channel.clone(),
+            gain: finite(s.gain),
+            gain_std: finite(s.gain_std),
+            bias: finite(s.bias),
+            bias_spread: finite(s.bias_spread),
+        })
+        .collect()
+}
+
+impl Outcome {
+    /// Everything that is said of a diagnosis; the next experiment comes from outside.
+    #[must_use]
+    pub fn new(
+        campaign: &sealegs_sysid::Campaign,
+        diagnosis: &Diagnosis,
+        next_experiment: String,
+        provenance: super::provenance::Provenance,
+    ) -> Self {
+        let verdict = &diagnosis.verdict;
+        let side = |judged: &Judged| {
+            let fit = &diagnosis.found.tried[judged.index].fit;
+            Side {
+                holdout_error: judged.holdout_error,
+                fit_error: fit.error(),
+                parameters: parameters(fit),
+                sensors: sensors(fit),
+            }
+        };
+        let named = matches!(verdict.kind, VerdictKind::MissingEffect | VerdictKind::PartlyExplained);
+        let mut outcome = Self {
+            campaign: campaign.name.clone(),
+            noise_floor: verdict.floor,
+            base: side(&verdict.base),
+            verdict: verdict.kind.as_str(),
+            effects: verdict.effects.clone(),
+            indistinguishable: verdict.indistinguishable.clone(),
+            after: named.then(|| side(&verdict.after)),
+            unexplained_share: verdict.unexplained_share,
+            ranking: verdict
+                .ranking
+                .iter()
+                .filter(|r| r.holdout_error.is_finite() && r.evidence.is_finite())
+                .map(|r| {
+                    let candidate = &diagnosis.found.tried[r.index];
+                    Ranked {
+                        effects: candidate.effects.clone(),
+                        holdout_error: r.holdout_error,
+                        evidence: r.evidence,
+                        parameters: parameters(&candidate.fit),
+                    }
+                })
+                .collect(),
+            next_experiment,
+            sentence: String::new(),
+            notes: campaign.notes.clone(),
+            work: Work { simulations: diagnosis.simulations, simulated_s: diagnosis.simulated_s },
+            provenance,
+        };
+        outcome.sentence = sentence(&outcome);
+        outcome
+    }
+}
+
+/// The verdict in one sentence with its numbers.
+fn sentence(o: &Outcome) -> String {
+    let set = o.effects.join(" + ");
+    let (floor, base) = (o.noise_floor, o.base.holdout_error);
+    match (o.verdict, &o.after) {
+        ("adequate", _) => format!(
+            "Nothing is missing: with its own parameters refitted, the base model is at the noise floor on the held-out \
+             runs (error {base:.3}, floor {floor:.2} noise units)."
+        ),
+        ("missing-effect", Some(after)) => format!(
+            "Missing: {set}. It takes the error on the held-out runs from {base:.2} to {:.3} noise units (floor {floor:.2}); \
+             {} of the energy above the floor is left.",
+            after.holdout_error,
+            percent(o.unexplained_share)
+        ),
+        ("partly-explained", Some(after)) => format!(
+            "Partly explained: {set} takes the error on the held-out runs from {base:.2} to {:.2} noise units, but {} of the \
+             energy above the floor ({floor:.2}) stays and has structure.",
+            after.holdout_error,
+            percent(o.unexplained_share)
+        ),
+        _ => format!(
+            "Unexplained: the base model misses the held-out runs by {base:.2} noise units (floor {floor:.2}), and no known \
+             effect, alone or with others, helps there."
+        ),
+    }
+}
+
+/// A share in per cent, with a digit more where it is small.
+#[must_use]
+pub fn percent(share: f64) -> String {
+    let p = 100.0 * share;
+    if p < 0.1 {
+        "less than 0.1 %".to_owned()
+    } else if p < 10.0 {
+        format!("{p:.1} %")
+    } else {
+        format!("{p:.0} %")
+    }
+}

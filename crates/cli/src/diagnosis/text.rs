@@ -1,0 +1,127 @@
+//! A diagnosis as text for a terminal.
+
+use super::outcome::{Outcome, ParameterValue, Side};
+use std::fmt::Write as _;
+use std::time::Duration;
+
+/// Rows of the ranking that are printed.
+const ROWS: usize = 8;
+
+/// Everything that is printed of a diagnosis that took this long.
+#[must_use]
+pub fn of(outcome: &Outcome, took: Duration) -> String {
+    let mut out = String::new();
+    let o = &mut out;
+    let _ = writeln!(o, "{}: {}", outcome.campaign, outcome.sentence);
+    let _ = writeln!(o);
+    let _ = writeln!(o, "  error in noise units      fit runs   held-out runs");
+    let mut error = |name: &str, side: &Side| {
+        let _ = writeln!(o, "  {name:<24} {:>9.3} {:>15.3}", side.fit_error, side.holdout_error);
+    };
+    error("base model, refitted", &outcome.base);
+    if let Some(after) = &outcome.after {
+        error(&format!("with {}", outcome.effects.join(" + ")), after);
+    }
+    if !outcome.indistinguishable.is_empty() {
+        let _ = writeln!(o, "\nThese data cannot tell it from:");
+        for set in &outcome.indistinguishable {
+            let _ = writeln!(o, "  {}", set.join(" + "));
+        }
+    }
+    if !outcome.ranking.is_empty() {
+        let widest =
+            outcome.ranking.iter().take(ROWS).map(|r| r.effects.join(" + ").len()).max().unwrap_or(0);
+        let _ = writeln!(o, "\n  {:<widest$}  {:>9}  {:>12}", "ranking", "held-out", "evidence");
+        for ranked in outcome.ranking.iter().take(ROWS) {
+            let name = ranked.effects.join(" + ");
+            let _ =
+                writeln!(o, "  {name:<widest$}  {:>9.3}  {:>12.1}", ranked.holdout_error, ranked.evidence);
+        }
+        let _ = writeln!(
+            o,
+            "  (evidence: log-likelihood gained over the base model on left-out stretches of the fit runs)"
+        );
+    }
+    let side = outcome.after.as_ref().unwrap_or(&outcome.base);
+    let _ = writeln!(
+        o,
+        "\n  parameters of the {}",
+        if outcome.after.is_some() { "model with it" } else { "base model" }
+    );
+    out.push_str(&parameter_lines(&side.parameters));
+    let o = &mut out;
+    let _ = writeln!(o, "\nNext experiment: {}", outcome.next_experiment);
+    for note in &outcome.notes {
+        let _ = writeln!(o, "note: {note}");
+    }
+    let seconds = took.as_secs_f64();
+    let _ = writeln!(
+        o,
+        "{} simulations, {:.0} s of experiment in {seconds:.1} s: {:.0} simulated seconds per second",
+        outcome.work.simulations,
+        outcome.work.simulated_s,
+        outcome.work.simulated_s / seconds.max(1e-3)
+    );
+    out
+}
+
+/// One line a parameter, fixed ones left out.
+#[must_use]
+pub fn parameter_lines(parameters: &[ParameterValue]) -> String {
+    let mut out = String::new();
+    let widest = parameters.iter().filter(|p| !p.fixed).map(|p| p.name.len()).max().unwrap_or(0);
+    for p in parameters.iter().filter(|p| !p.fixed) {
+        let std = p.std.map_or("?".to_owned(), |s| figures(s, 2));
+        let digits = digits_for(p.value, p.std.unwrap_or(0.0));
+        let remark = match (p.at_bound, p.felt) {
+            (true, _) => "  at its bound",
+            (_, false) => "  not felt by these data",
+            _ => "",
+        };
+        let _ = writeln!(
+            out,
+            "  {:<widest$}  {:>12} ± {std} {}{remark}",
+            p.name,
+            figures(p.value, digits),
+            p.unit
+        );
+    }
+    out
+}
+
+/// So many digits of a value that its uncertainty shows in the last two.
+fn digits_for(value: f64, std: f64) -> usize {
+    if value == 0.0 || std <= 0.0 {
+        return 4;
+    }
+    let ratio = (value.abs() / std).log10().floor();
+    (ratio + 2.0).clamp(2.0, 9.0) as usize
+}
+
+/// A number with so many significant digits, in powers of ten only where it is very large or small.
+#[must_use]
+pub fn figures(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let power = value.abs().log10().floor() as i32;
+    if (-4..7).contains(&power) {
+        let decimals = (digits as i32 - 1 - power).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.*e}", digits.saturating_sub(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_show_their_uncertainty_and_no_more() {
+        assert_eq!(figures(11650.3, digits_for(11650.3, 41.0)), "11650");
+        assert_eq!(figures(0.012_345, digits_for(0.012_345, 0.000_21)), "0.0123");
+        assert_eq!(figures(1.5e9, 3), "1.50e9");
+        assert_eq!(figures(0.0, 3), "0");
+    }
+}
