@@ -42,6 +42,14 @@ impl DryFriction for Coulomb {
     fn bound(&self, _speed: f64, _direction: f64, _load: f64) -> f64 {
         self.force
     }
+
+    fn feels_speed(&self) -> bool {
+        false
+    }
+
+    fn feels_load(&self) -> bool {
+        false
+    }
 }
 
 #[cfg(test)]

@@ -46,6 +46,14 @@ impl DryFriction for DirectionDependent {
     fn bound(&self, _speed: f64, direction: f64, _load: f64) -> f64 {
         self.force * (1.0 + self.asymmetry * direction)
     }
+
+    fn feels_speed(&self) -> bool {
+        false
+    }
+
+    fn feels_load(&self) -> bool {
+        false
+    }
 }
 
 #[cfg(test)]

@@ -45,6 +45,10 @@ impl DryFriction for LoadDependent {
     fn bound(&self, _speed: f64, _direction: f64, load: f64) -> f64 {
         self.coefficient * load.abs()
     }
+
+    fn feels_speed(&self) -> bool {
+        false
+    }
 }
 
 #[cfg(test)]

@@ -65,6 +65,10 @@ impl DryFriction for Stribeck {
         // Not below zero, whatever a search tries for the static level.
         (self.coulomb + self.above * (-ratio * ratio).exp()).max(0.0)
     }
+
+    fn feels_load(&self) -> bool {
+        false
+    }
 }
 
 #[cfg(test)]

@@ -14,48 +14,89 @@ pub struct Sliding {
     pub mobility: f64,
 }
 
+/// Whether friction leaves a coordinate at rest at the end of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Held {
+    /// It moves.
+    #[default]
+    No,
+    /// It is at rest.
+    Yes,
+}
+
 impl Sliding {
     /// The mean friction force over the step in N.
     ///
     /// `bound(speed, direction)` is the bound in N while slipping at that speed in that direction (+1 or
     /// -1); speed 0 asks for the bound at rest. The force opposes the motion, or holds the coordinate.
     #[must_use]
+    #[inline]
     pub fn mean_force(&self, bound: impl Fn(f64, f64) -> f64) -> f64 {
+        let direction = if self.before == 0.0 { self.after_free } else { self.before }.signum();
+        // The bound without friction is as good a guess as the one that follows from it is accurate.
+        let guess = bound(self.mean_speed(0.0, direction), direction);
+        self.resolve(guess, bound).0
+    }
+
+    /// As [`Sliding::mean_force`] from a guess of the bound, N, that is wrong by the order of the step, such
+    /// as the bound in the step before; and whether the coordinate is at rest at the end.
+    #[inline(always)]
+    pub(super) fn resolve(&self, guess: f64, bound: impl Fn(f64, f64) -> f64) -> (f64, Held) {
         let Self { before, after_free, mobility } = *self;
-        let holding = -after_free / mobility;
         if before == 0.0 {
             let direction = after_free.signum();
-            if holding.abs() <= bound(0.0, direction) {
-                return holding;
+            let at_rest = bound(0.0, direction);
+            if after_free.abs() <= at_rest * mobility {
+                return (-after_free / mobility, Held::Yes);
             }
-            return -direction * self.slipping_bound(direction, &bound);
+            return (-direction * bound(self.mean_speed(at_rest, direction), direction), Held::No);
         }
         let direction = before.signum();
-        let slipping = -direction * self.slipping_bound(direction, &bound);
+        let slipping = -direction * bound(self.mean_speed(guess, direction), direction);
+        self.unless_reversed(slipping, &bound)
+    }
+
+    /// As [`Sliding::resolve`] for a bound that does not depend on speed.
+    #[inline(always)]
+    pub(super) fn resolve_constant(&self, bound: impl Fn(f64, f64) -> f64) -> (f64, Held) {
+        let Self { before, after_free, mobility } = *self;
+        if before == 0.0 {
+            let direction = after_free.signum();
+            let slipping = bound(0.0, direction);
+            if after_free.abs() <= slipping * mobility {
+                return (-after_free / mobility, Held::Yes);
+            }
+            return (-direction * slipping, Held::No);
+        }
+        let direction = before.signum();
+        self.unless_reversed(-direction * bound(before, direction), &bound)
+    }
+
+    /// The force over a step that begins with the mean friction force `slipping`.
+    #[inline(always)]
+    fn unless_reversed(&self, slipping: f64, bound: &impl Fn(f64, f64) -> f64) -> (f64, Held) {
+        let Self { before, after_free, mobility } = *self;
         let after = after_free + mobility * slipping;
-        if after * direction >= 0.0 {
-            return slipping;
+        if after * before > 0.0 {
+            return (slipping, Held::No);
         }
         // The velocity passes zero within the step: afterwards the coordinate sticks or slips back.
         let rest = -after / (before - after);
         let free_change = after_free - before;
-        let back = -direction;
-        if free_change.abs() <= mobility * bound(0.0, back) {
-            return holding;
+        let back = -before.signum();
+        let at_rest = mobility * bound(0.0, back);
+        if free_change.abs() <= at_rest {
+            return (-after_free / mobility, Held::Yes);
         }
-        let after = (free_change - back * mobility * bound(0.0, back).min(bound(after_free, back))) * rest;
-        (after - after_free) / mobility
+        let after = (free_change - back * at_rest.min(mobility * bound(after_free, back))) * rest;
+        ((after - after_free) / mobility, Held::No)
     }
 
-    /// The bound at the mean speed of the step, by one fixed-point correction of the frictionless guess.
-    fn slipping_bound(&self, direction: f64, bound: &impl Fn(f64, f64) -> f64) -> f64 {
-        let mean = |f: f64| {
-            let after = self.after_free - direction * self.mobility * f;
-            // Past a reversal only the part before it counts as slip in this direction.
-            0.5 * (self.before + after * f64::from(u8::from(after * direction > 0.0)))
-        };
-        let first = bound(mean(0.0), direction);
-        bound(mean(first), direction)
+    /// Mean speed of the step against a friction force; past a reversal only what comes before it counts.
+    #[inline(always)]
+    fn mean_speed(&self, force: f64, direction: f64) -> f64 {
+        let after = self.after_free - direction * self.mobility * force;
+        0.5 * (self.before + if after * direction > 0.0 { after } else { 0.0 })
     }
 }
 

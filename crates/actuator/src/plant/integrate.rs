@@ -1,61 +1,111 @@
-//! Integration in time: the linear part exactly by its exponential, the rest at the predicted midpoint,
-//! dry friction by projection.
+//! Integration in time: the linear part exactly by its exponential, the rest by its mean over the predicted
+//! step, dry friction by projection.
 //!
-//! A linear plant under a command that is held is integrated exactly at any step; smooth nonlinear forces
-//! make the scheme second order; friction switches within the step (see `Sliding`). The step's matrices
-//! are constant, so that a step is two small matrix products.
+//! A linear plant under a command that is held is integrated exactly at any step. Smooth nonlinear forces are
+//! taken at the mean position and speed of the step, predicted with what they did in the step before: the scheme
+//! is of second order and needs each of them once. Friction switches within the step (see [`Sliding`]). The
+//! step's matrices are constant, so that a step is two small matrix products.
 
+use super::friction::Held;
 use super::linear::{LinearPart, MOST, Propagator, Row};
-use super::{Grid, Link, Plant, Sliding, Trace};
+use super::{GRAVITY_M_S2, Grid, Link, Plant, Sliding, Trace, WobblingMass};
 use sealegs_model::ModelError;
 
 pub(super) fn simulate(plant: &Plant, grid: Grid, commands: &[f64]) -> Result<Trace, ModelError> {
     let linear = LinearPart::of(plant);
     match linear.coordinates.count {
-        1 => Stepper::<1>::new(plant, &linear, grid)?.run(commands),
-        2 => Stepper::<2>::new(plant, &linear, grid)?.run(commands),
-        3 => Stepper::<3>::new(plant, &linear, grid)?.run(commands),
-        4 => Stepper::<4>::new(plant, &linear, grid)?.run(commands),
-        _ => Stepper::<MOST>::new(plant, &linear, grid)?.run(commands),
+        1 => Stepper::<1>::new(plant, &linear, grid)?.trace(commands),
+        2 => Stepper::<2>::new(plant, &linear, grid)?.trace(commands),
+        3 => Stepper::<3>::new(plant, &linear, grid)?.trace(commands),
+        4 => Stepper::<4>::new(plant, &linear, grid)?.trace(commands),
+        _ => Stepper::<MOST>::new(plant, &linear, grid)?.trace(commands),
     }
 }
 
-struct Stepper<'a, const N: usize> {
+/// A plant with all that its steps on a grid have in common.
+pub(super) struct Stepper<'a, const N: usize> {
     plant: &'a Plant,
     grid: Grid,
     propagator: Propagator<N>,
     deflection: [f64; N],
-    sprung: [f64; N],
-    /// Change of position and of velocity over a step per newton in the spring beyond its linear law.
-    by_spring: ([f64; N], [f64; N]),
     link_1: Option<usize>,
     link_2: Option<usize>,
     screw_end: Option<usize>,
-    /// Coordinate, weight force and arm of a pendulum.
-    gravity: Option<(usize, f64, f64)>,
+    gravity: Option<Gravity>,
+    /// Accelerations per position, velocity and force, and the part of them that the sprung mass has.
+    acceleration: Acceleration<N>,
+    sprung: Sprung<N>,
+    spring_is_linear: bool,
+    /// Whether there is any force beside the linear part, the held command and friction.
+    has_forces: bool,
+    has_friction: bool,
     has_rotor_friction: bool,
+    /// Whether the bound of the rotor's friction changes with speed, and with load.
+    bound_feels: (bool, bool),
 }
 
-/// Position and velocity at the end of a step.
-#[derive(Clone, Copy)]
-struct Motion<const N: usize> {
-    position: [f64; N],
-    velocity: [f64; N],
+struct Acceleration<const N: usize> {
+    by_position: [[f64; N]; N],
+    by_velocity: [[f64; N]; N],
+    by_force: [[f64; N]; N],
 }
 
+struct Sprung<const N: usize> {
+    row: [f64; N],
+    by_position: [f64; N],
+    by_velocity: [f64; N],
+    by_force: [f64; N],
+}
+
+/// Gravity at link 2 beyond its linear stiffness.
+struct Gravity {
+    coordinate: usize,
+    /// All weights times their distance from the joint over the lever's arm, N.
+    force: f64,
+    arm: f64,
+    wobbling: Option<(usize, WobblingMass)>,
+}
+
+/// Position and velocity.
 #[derive(Clone, Copy)]
-struct State<const N: usize> {
-    position: [f64; N],
-    velocity: [f64; N],
-    /// Acceleration of the sprung mass over the last step, m/s^2.
+pub(super) struct Motion<const N: usize> {
+    pub position: [f64; N],
+    pub velocity: [f64; N],
+}
+
+/// Everything that the plant remembers at a point of the grid.
+#[derive(Clone, Copy)]
+pub(super) struct State<const N: usize> {
+    pub motion: Motion<N>,
+    /// What everything but the linear part and the command did to the motion over the last step.
+    beside: Motion<N>,
+    /// Acceleration of the sprung mass, m/s^2.
     sprung_acceleration: f64,
+    /// Force of the spring on link 1, N, positive in compression.
+    force_1: f64,
+    /// Motor force over the last step, N.
+    pub motor: f64,
+    /// Dry friction of the rotor over the last step, N.
+    dry: f64,
     /// Force of the elastic presliding element, N, positive after motion in the positive direction.
-    presliding: f64,
+    pub presliding: f64,
     /// Force of the slipping element beside the spring, N, positive in compression.
-    spring_slip: f64,
+    pub spring_slip: f64,
 }
 
-fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+/// Dry friction over one step.
+#[derive(Clone, Copy, Default)]
+struct Friction {
+    /// Of the rotor, without and with the elastic element, N.
+    dry: f64,
+    elastic: f64,
+    on_output: f64,
+    rotor: Held,
+    output: Held,
+}
+
+#[inline(always)]
+pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {
         sum += a[i] * b[i];
@@ -63,60 +113,106 @@ fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     sum
 }
 
-fn times<const N: usize>(a: &[[f64; N]; N], b: &[f64; N]) -> [f64; N] {
-    std::array::from_fn(|i| dot(&a[i], b))
+/// `angle - sin(angle)` without cancellation.
+#[inline]
+fn sine_deficit(angle: f64) -> f64 {
+    let square = angle * angle;
+    if square > 0.1 {
+        return angle - angle.sin();
+    }
+    // Five terms: the sixth is below the rounding of the first.
+    let term = |of: f64, next: f64| square / of * (1.0 - next);
+    angle * term(6.0, term(20.0, term(42.0, term(72.0, term(110.0, 0.0)))))
 }
 
 impl<'a, const N: usize> Stepper<'a, N> {
-    fn new(plant: &'a Plant, linear: &LinearPart, grid: Grid) -> Result<Self, ModelError> {
-        let propagator = linear.propagator::<N>(grid.step_s).ok_or(ModelError::BadParameter {
+    pub fn new(plant: &'a Plant, linear: &LinearPart, grid: Grid) -> Result<Self, ModelError> {
+        let singular = || ModelError::BadParameter {
             name: "reflected_inertia".to_owned(),
             value: plant.reflected_inertia,
             admitted: "positive and finite",
-        })?;
+        };
+        let propagator = linear.propagator::<N>(grid.step_s).ok_or_else(singular)?;
+        let inverse_mass = linear.inverse_mass::<N>().ok_or_else(singular)?;
         let cut = |row: &Row| -> [f64; N] { std::array::from_fn(|i| row[i]) };
-        let deflection = cut(&linear.deflection);
         let at = linear.coordinates;
+        let row = cut(&linear.sprung);
+        let through = |matrix: &[Row; MOST]| -> [[f64; N]; N] {
+            let cell = |i: usize, j: usize| -(0..N).map(|k| inverse_mass[i][k] * matrix[k][j]).sum::<f64>();
+            std::array::from_fn(|i| std::array::from_fn(|j| cell(i, j)))
+        };
+        let acceleration = Acceleration {
+            by_position: through(&linear.stiffness),
+            by_velocity: through(&linear.damping),
+            by_force: inverse_mass,
+        };
+        let of_sprung = |matrix: &[[f64; N]; N]| -> [f64; N] {
+            std::array::from_fn(|j| (0..N).map(|i| row[i] * matrix[i][j]).sum())
+        };
         let gravity = match (plant.link_2, at.link_2) {
-            (Link::Pendulum { gravity_torque_nm, arm_m, .. }, Some(i)) => {
-                let wobbling = plant.wobbling.map_or(0.0, |w| w.mass * super::GRAVITY_M_S2 * w.radius);
-                Some((i, (gravity_torque_nm + wobbling) / arm_m, arm_m))
+            (Link::Pendulum { gravity_torque_nm, arm_m, .. }, Some(coordinate)) => {
+                let wobbling = at.wobbling.zip(plant.wobbling);
+                let more = wobbling.map_or(0.0, |(_, w)| w.mass * GRAVITY_M_S2 * w.radius);
+                Some(Gravity { coordinate, force: (gravity_torque_nm + more) / arm_m, arm: arm_m, wobbling })
             }
             _ => None,
         };
+        let spring_is_linear = plant.spring_is_linear();
+        let has_rotor_friction = !plant.rotor_friction.is_empty();
         Ok(Self {
             plant,
             grid,
-            by_spring: (
-                times(&propagator.by_force.0, &deflection),
-                times(&propagator.by_force.1, &deflection),
-            ),
             propagator,
-            deflection,
-            sprung: cut(&linear.sprung),
+            deflection: cut(&linear.deflection),
             link_1: at.link_1,
             link_2: at.link_2,
             screw_end: at.screw_end,
+            sprung: Sprung {
+                by_position: of_sprung(&acceleration.by_position),
+                by_velocity: of_sprung(&acceleration.by_velocity),
+                by_force: of_sprung(&acceleration.by_force),
+                row,
+            },
+            acceleration,
+            spring_is_linear,
+            has_forces: !plant.rotor_forces.is_empty()
+                || !plant.drive_limits.is_empty()
+                || gravity.is_some()
+                || !spring_is_linear,
             gravity,
-            has_rotor_friction: !plant.rotor_friction.is_empty(),
+            has_friction: has_rotor_friction
+                || plant.rotor_presliding.is_some()
+                || (plant.output_friction > 0.0 && at.link_2.is_some()),
+            has_rotor_friction,
+            bound_feels: (
+                plant.rotor_friction.iter().any(|f| f.feels_speed()),
+                plant.rotor_friction.iter().any(|f| f.feels_load()),
+            ),
         })
     }
 
-    fn run(&self, commands: &[f64]) -> Result<Trace, ModelError> {
-        let mut trace = Trace::with_room(self.plant, self.grid);
-        let mut state = State {
-            position: [0.0; N],
-            velocity: [0.0; N],
+    /// At rest with all springs relaxed.
+    pub fn rest(&self) -> State<N> {
+        let still = Motion { position: [0.0; N], velocity: [0.0; N] };
+        State {
+            motion: still,
+            beside: still,
             sprung_acceleration: 0.0,
+            force_1: 0.0,
+            motor: 0.0,
+            dry: 0.0,
             presliding: 0.0,
             spring_slip: 0.0,
-        };
-        self.note(&state, 0.0, &mut trace);
+        }
+    }
+
+    fn trace(&self, commands: &[f64]) -> Result<Trace, ModelError> {
+        let mut trace = Trace::with_room(self.plant, self.grid);
+        let mut state = self.rest();
+        self.note(&state, &mut trace);
         for n in 0..self.grid.steps {
-            let command = commands.get(n).copied().unwrap_or(0.0);
-            let motor = self.plant.motor_force(command, state.velocity[0]);
-            state = self.step(&state, motor, trace.force_1[n], n);
-            self.note(&state, motor, &mut trace);
+            state = self.step(&state, commands.get(n).copied().unwrap_or(0.0), n);
+            self.note(&state, &mut trace);
             if n % 1024 == 0 {
                 self.check(&state, n)?;
             }
@@ -125,10 +221,10 @@ impl<'a, const N: usize> Stepper<'a, N> {
         Ok(trace)
     }
 
-    fn check(&self, state: &State<N>, n: usize) -> Result<(), ModelError> {
+    pub fn check(&self, state: &State<N>, n: usize) -> Result<(), ModelError> {
         const NAMES: [&str; 2] = ["the screw's extension", "a link's position"];
         for i in 0..N {
-            if !(state.position[i].is_finite() && state.velocity[i].is_finite()) {
+            if !(state.motion.position[i].is_finite() && state.motion.velocity[i].is_finite()) {
                 return Err(ModelError::NotFinite {
                     time_s: self.grid.time(n),
                     what: NAMES[i.min(1)].to_owned(),
@@ -138,160 +234,303 @@ impl<'a, const N: usize> Stepper<'a, N> {
         Ok(())
     }
 
-    /// One step; `force_1` is the spring's force at its start.
+    /// The step from point `n` of the grid under a command, in its unit.
     #[inline(always)]
-    fn step(&self, from: &State<N>, motor: f64, force_1: f64, n: usize) -> State<N> {
-        let (h, plant) = (self.grid.step_s, self.plant);
-        let (q, v) = (&from.position, &from.velocity);
-        let load = force_1 - plant.sprung_mass * from.sprung_acceleration;
-
-        let y_mid = q[0] + 0.5 * h * v[0];
-        let t_mid = self.grid.time(n) + 0.5 * h;
-        let mut on_rotor = motor;
-        for force in &plant.rotor_forces {
-            on_rotor += force.force(y_mid, v[0], load, t_mid);
-        }
-
+    pub fn step(&self, from: &State<N>, command: f64, n: usize) -> State<N> {
         let p = &self.propagator;
-        let mut after = Motion { position: [0.0; N], velocity: [0.0; N] };
+        let (q, v) = (&from.motion.position, &from.motion.velocity);
+        let commanded = self.plant.commanded_force(command);
+        // What the linear part and the unlimited motor make of the state.
+        let mut plain = from.motion;
         for i in 0..N {
-            after.position[i] = dot(&p.position_from.0[i], q) + dot(&p.position_from.1[i], v);
-            after.velocity[i] = dot(&p.velocity_from.0[i], q) + dot(&p.velocity_from.1[i], v);
+            plain.position[i] = dot(&p.position_from.0[i], q)
+                + dot(&p.position_from.1[i], v)
+                + p.by_force.0[i][0] * commanded;
+            plain.velocity[i] = dot(&p.velocity_from.0[i], q)
+                + dot(&p.velocity_from.1[i], v)
+                + p.by_force.1[i][0] * commanded;
         }
-        self.push(&mut after, 0, on_rotor);
-        if let Some((i, weight_force, arm)) = self.gravity {
-            // What linear stiffness leaves out of the pendulum's gravity.
-            let angle = (q[i] + 0.5 * h * v[i]) / arm;
-            self.push(&mut after, i, weight_force * (angle - angle.sin()));
-        }
-
-        if plant.spring_is_linear() {
-            return self.finish(from, after, load);
-        }
-        // The spring's departure from its linear law at the predicted midpoint, then once more at the
-        // midpoint that follows from it.
-        let delta = dot(&self.deflection, q);
-        let mut rate = dot(&self.deflection, v);
-        let mut next = *from;
-        for _ in 0..2 {
-            let mid = delta + 0.5 * h * rate;
-            let linear = plant.stiffness * mid + plant.spring_damping * rate;
-            let mut departure = plant.spring_force(mid, rate) - linear;
-            if let Some(element) = plant.spring_slip {
-                departure += element.advance(from.spring_slip, 0.5 * h * rate);
-            }
-            let mut with_spring = after;
+        let mut next = State { motor: commanded, ..*from };
+        let mut forces = [0.0; N];
+        let mut departure = 0.0;
+        let mut free = plain;
+        if self.has_forces {
+            (forces, departure) = self.forces(from, &plain, n, &mut next);
             for i in 0..N {
-                with_spring.position[i] -= self.by_spring.0[i] * departure;
-                with_spring.velocity[i] -= self.by_spring.1[i] * departure;
+                free.position[i] += dot(&p.by_force.0[i], &forces);
+                free.velocity[i] += dot(&p.by_force.1[i], &forces);
             }
-            next = self.finish(from, with_spring, load);
-            rate = (dot(&self.deflection, &next.position) - delta) / h;
         }
-        if let Some(element) = plant.spring_slip {
-            next.spring_slip = element.advance(from.spring_slip, h * rate);
+        next.motion = free;
+        let mut friction = Friction::default();
+        if self.has_friction {
+            friction = self.rub(from, &free, &plain);
+            self.apply(from, &friction, &mut next);
+        }
+        if self.has_forces || self.bound_feels.1 {
+            for i in 0..N {
+                next.beside.position[i] = next.motion.position[i] - plain.position[i];
+                next.beside.velocity[i] = next.motion.velocity[i] - plain.velocity[i];
+            }
+        }
+        let delta = dot(&self.deflection, &next.motion.position);
+        let rate = dot(&self.deflection, &next.motion.velocity);
+        next.force_1 = self.plant.stiffness * delta + self.plant.spring_damping * rate;
+        if !self.spring_is_linear {
+            if let Some(element) = self.plant.spring_slip {
+                next.spring_slip = element.advance(from.spring_slip, delta - dot(&self.deflection, q));
+            }
+            let force = self.plant.spring_force(delta, rate) + next.spring_slip;
+            for i in 0..N {
+                forces[i] -= self.deflection[i] * (force - next.force_1 - departure);
+            }
+            next.force_1 = force;
+        }
+        if self.screw_end.is_none() {
+            forces[0] += commanded;
+            if self.has_friction {
+                self.rub_at_end(from, &next, &friction, &mut forces);
+            }
+            next.sprung_acceleration = dot(&self.sprung.by_position, &next.motion.position)
+                + dot(&self.sprung.by_velocity, &next.motion.velocity)
+                + dot(&self.sprung.by_force, &forces);
         }
         next
+    }
+
+    /// Adds the dry friction at the end of a step, which a measured force shows, to the other forces there.
+    #[inline(always)]
+    fn rub_at_end(&self, from: &State<N>, next: &State<N>, friction: &Friction, forces: &mut [f64; N]) {
+        let (plant, v) = (self.plant, &next.motion.velocity);
+        let mut dry = friction.dry;
+        if self.has_rotor_friction && v[0] * from.motion.velocity[0] < 0.0 {
+            let direction = v[0].signum();
+            let load = self.load(from, &next.motion);
+            dry = -direction * plant.rotor_friction_bound(v[0], direction, load);
+        }
+        forces[0] += dry - next.presliding;
+        let output = self.link_2.filter(|_| plant.output_friction > 0.0);
+        if let Some(i) = output {
+            let reversed = v[i] * from.motion.velocity[i] < 0.0;
+            forces[i] += if reversed { -v[i].signum() * plant.output_friction } else { friction.on_output };
+        }
+        // What is held has no acceleration.
+        let mut hold = |i: usize| {
+            let a = &self.acceleration;
+            let gained = dot(&a.by_position[i], &next.motion.position)
+                + dot(&a.by_velocity[i], v)
+                + dot(&a.by_force[i], forces);
+            forces[i] -= gained / a.by_force[i][i];
+        };
+        if friction.rotor == Held::Yes {
+            hold(0);
+        }
+        if let Some(i) = output.filter(|_| friction.output == Held::Yes) {
+            hold(i);
+        }
+    }
+
+    /// Mean forces over the step on every coordinate, N, without the linear part, the commanded force and dry
+    /// friction; and the spring's departure from its linear law in them. The motor force that the drive leaves
+    /// goes into `next`.
+    #[inline(always)]
+    fn forces(&self, from: &State<N>, plain: &Motion<N>, n: usize, next: &mut State<N>) -> ([f64; N], f64) {
+        let (h, plant) = (self.grid.step_s, self.plant);
+        let q = &from.motion.position;
+        let mut mean = from.motion;
+        for i in 0..N {
+            let travel = plain.position[i] + from.beside.position[i] - q[i];
+            // Of the parabola through position and speed at the start and the position at the end.
+            mean.position[i] = q[i] + travel / 3.0 + h / 6.0 * from.motion.velocity[i];
+            mean.velocity[i] = travel / h;
+        }
+        let mut forces = [0.0; N];
+        let y_dot = mean.velocity[0];
+        if !plant.drive_limits.is_empty() {
+            let limited = plant.limited_force(next.motor, y_dot);
+            forces[0] += limited - next.motor;
+            next.motor = limited;
+        }
+        let mut departure = 0.0;
+        if !self.spring_is_linear {
+            departure = self.departure(from, &mean);
+            for i in 0..N {
+                forces[i] -= self.deflection[i] * departure;
+            }
+        }
+        if !plant.rotor_forces.is_empty() {
+            let spring = plant.stiffness * dot(&self.deflection, &mean.position)
+                + plant.spring_damping * dot(&self.deflection, &mean.velocity);
+            let load = spring + departure - plant.sprung_mass * from.sprung_acceleration;
+            let t = self.grid.time(n) + 0.5 * h;
+            // As in a leapfrog: a force that changes fast with the angle neither feeds nor brakes the motion.
+            let y = q[0] + 0.5 * h * from.motion.velocity[0];
+            for force in &plant.rotor_forces {
+                forces[0] += force.force(y, y_dot, load, t);
+            }
+        }
+        if let Some(gravity) = &self.gravity {
+            let angle = mean.position[gravity.coordinate] / gravity.arm;
+            forces[gravity.coordinate] += gravity.force * sine_deficit(angle);
+            if let Some((i, w)) = gravity.wobbling {
+                // Of the potential m g w sin(angle), whose linear part m g w angle the matrices have.
+                let weight = w.mass * GRAVITY_M_S2;
+                forces[i] += weight * sine_deficit(angle);
+                forces[gravity.coordinate] += weight * mean.position[i] * (1.0 - angle.cos()) / gravity.arm;
+            }
+        }
+        (forces, departure)
+    }
+
+    /// Mean force of the spring over the step beyond its linear law, N, positive in compression.
+    #[inline(always)]
+    fn departure(&self, from: &State<N>, mean: &Motion<N>) -> f64 {
+        let (h, plant) = (self.grid.step_s, self.plant);
+        let delta = dot(&self.deflection, &mean.position);
+        let rate = dot(&self.deflection, &mean.velocity);
+        let mut departure = plant.spring_force_beside(delta, rate);
+        if plant.spring_damping != 0.0 && !plant.spring_path.is_empty() {
+            // The damper works in contact only: over a step that makes or breaks it, in proportion.
+            let start = dot(&self.deflection, &from.motion.position);
+            let in_contact = plant.spring_left(start + h * rate) - plant.spring_left(start);
+            departure += plant.spring_damping * (in_contact / h - rate);
+        }
+        if let Some(element) = plant.spring_slip {
+            departure += element.advance(from.spring_slip, 0.5 * h * rate);
+        }
+        departure
+    }
+
+    /// Dry friction over the step, on the motion `free` without it.
+    #[inline(always)]
+    fn rub(&self, from: &State<N>, free: &Motion<N>, plain: &Motion<N>) -> Friction {
+        let plant = self.plant;
+        let (q, v) = (&from.motion.position, &from.motion.velocity);
+        let (to_position, to_velocity) = &self.propagator.by_force;
+        let output = self.link_2.filter(|_| plant.output_friction > 0.0);
+        let presliding = plant.rotor_presliding;
+        let kinds = usize::from(self.has_rotor_friction)
+            + usize::from(output.is_some())
+            + usize::from(presliding.is_some());
+        let mut load = if self.bound_feels.1 { self.load(from, &plain.plus(&from.beside)) } else { 0.0 };
+        let mut friction = Friction { dry: from.dry, ..Friction::default() };
+        // Each friction shifts the motion that the others see, and the load that a bound feels: they are found
+        // in turn. The coupling is weak but for the lumped model.
+        let sweeps = if kinds > 1 {
+            MOST_SWEEPS
+        } else if self.bound_feels.1 {
+            3
+        } else {
+            1
+        };
+        for sweep in 0..sweeps {
+            let before = friction;
+            if let Some(element) = presliding {
+                // The element's mean force, linear in the travel over the step.
+                let others = free.position[0] - q[0]
+                    + if sweep > 0 { to_position[0][0] * friction.dry } else { 0.0 }
+                    + output.map_or(0.0, |i| to_position[0][i] * friction.on_output);
+                let half = 0.5 * element.stiffness;
+                friction.elastic = -((from.presliding + half * others) / (1.0 + half * to_position[0][0]))
+                    .clamp(-element.bound, element.bound);
+            }
+            if self.has_rotor_friction {
+                let others = to_velocity[0][0] * friction.elastic
+                    + output.map_or(0.0, |i| to_velocity[0][i] * friction.on_output);
+                let sliding = Sliding {
+                    before: v[0],
+                    after_free: free.velocity[0] + others,
+                    mobility: to_velocity[0][0],
+                };
+                let bound = |speed, direction| plant.rotor_friction_bound(speed, direction, load);
+                (friction.dry, friction.rotor) = if self.bound_feels.0 {
+                    sliding.resolve(friction.dry.abs(), bound)
+                } else {
+                    sliding.resolve_constant(bound)
+                };
+            }
+            if let Some(i) = output {
+                let sliding = Sliding {
+                    before: v[i],
+                    after_free: free.velocity[i] + to_velocity[i][0] * (friction.dry + friction.elastic),
+                    mobility: to_velocity[i][i],
+                };
+                (friction.on_output, friction.output) =
+                    sliding.resolve_constant(|_, _| plant.output_friction);
+            }
+            if sweeps > 1 {
+                if self.bound_feels.1 {
+                    let mut after = *free;
+                    self.push(&mut after, 0, friction.dry + friction.elastic);
+                    if let Some(i) = output {
+                        self.push(&mut after, i, friction.on_output);
+                    }
+                    load = self.load(from, &after);
+                }
+                if sweep > 0 && friction.settled_since(&before) {
+                    break;
+                }
+            }
+        }
+        friction
+    }
+
+    /// Mean force in the screw over a step that ends with the motion `after`, N.
+    #[inline(always)]
+    fn load(&self, from: &State<N>, after: &Motion<N>) -> f64 {
+        let (h, plant) = (self.grid.step_s, self.plant);
+        let start = dot(&self.deflection, &from.motion.position);
+        let travel = dot(&self.deflection, &after.position) - start;
+        let delta = start + travel / 3.0 + h / 6.0 * dot(&self.deflection, &from.motion.velocity);
+        let mut spring = plant.spring_force(delta, travel / h);
+        if let Some(element) = plant.spring_slip {
+            spring += element.advance(from.spring_slip, 0.5 * travel);
+        }
+        let gained = dot(&self.sprung.row, &after.velocity) - dot(&self.sprung.row, &from.motion.velocity);
+        spring - plant.sprung_mass * gained / h
     }
 
     /// Adds what a force on one coordinate does over a step, N.
     #[inline(always)]
-    fn push(&self, after: &mut Motion<N>, coordinate: usize, force: f64) {
+    fn push(&self, motion: &mut Motion<N>, coordinate: usize, force: f64) {
         for j in 0..N {
-            after.position[j] += self.propagator.by_force.0[j][coordinate] * force;
-            after.velocity[j] += self.propagator.by_force.1[j][coordinate] * force;
+            motion.position[j] += self.propagator.by_force.0[j][coordinate] * force;
+            motion.velocity[j] += self.propagator.by_force.1[j][coordinate] * force;
         }
     }
 
-    /// Adds the dry friction to the motion without it and advances the state.
+    /// Puts the friction that was found into the motion. Sticking is exact: what is held has no speed, and has
+    /// not moved if it was at rest before.
     #[inline(always)]
-    fn finish(&self, from: &State<N>, free: Motion<N>, load: f64) -> State<N> {
-        let (h, plant) = (self.grid.step_s, self.plant);
-        let (q, v) = (&from.position, &from.velocity);
-        let (to_position, to_velocity) = &self.propagator.by_force;
-        let output = self.link_2.filter(|_| plant.output_friction > 0.0);
-        let presliding = plant.rotor_presliding;
-        let frictions = usize::from(self.has_rotor_friction)
-            + usize::from(output.is_some())
-            + usize::from(presliding.is_some());
-        let mut after = free;
-        if frictions > 0 {
-            let (mut dry, mut elastic, mut on_output) = (0.0, 0.0, 0.0);
-            // Each friction shifts the motion that the others see: they are found in turn. Within one
-            // step the coupling is weak, so that a few sweeps settle it.
-            for _ in 0..(if frictions == 1 { 1 } else { 4 }) {
-                if let Some(element) = presliding {
-                    // The element's mean force, linear in the travel over the step.
-                    let others = free.position[0] - q[0]
-                        + to_position[0][0] * dry
-                        + output.map_or(0.0, |i| to_position[0][i] * on_output);
-                    let half = 0.5 * element.stiffness;
-                    elastic = -((from.presliding + half * others) / (1.0 + half * to_position[0][0]))
-                        .clamp(-element.bound, element.bound);
-                }
-                if self.has_rotor_friction {
-                    let others =
-                        to_velocity[0][0] * elastic + output.map_or(0.0, |i| to_velocity[0][i] * on_output);
-                    let sliding = Sliding {
-                        before: v[0],
-                        after_free: free.velocity[0] + others,
-                        mobility: to_velocity[0][0],
-                    };
-                    dry = sliding
-                        .mean_force(|speed, direction| plant.rotor_friction_bound(speed, direction, load));
-                }
-                if let Some(i) = output {
-                    let sliding = Sliding {
-                        before: v[i],
-                        after_free: free.velocity[i] + to_velocity[i][0] * (dry + elastic),
-                        mobility: to_velocity[i][i],
-                    };
-                    on_output = sliding.mean_force(|_, _| plant.output_friction);
-                }
-            }
-            self.push(&mut after, 0, dry + elastic);
-            if let Some(i) = output {
-                self.push(&mut after, i, on_output);
-            }
+    fn apply(&self, from: &State<N>, friction: &Friction, next: &mut State<N>) {
+        self.push(&mut next.motion, 0, friction.dry + friction.elastic);
+        if let Some(i) = self.link_2.filter(|_| self.plant.output_friction > 0.0) {
+            self.push(&mut next.motion, i, friction.on_output);
+            next.motion.hold(i, friction.output, &from.motion);
         }
-        let mut next = *from;
-        next.position = after.position;
-        next.velocity = after.velocity;
-        if self.has_rotor_friction {
-            settle(&mut next, from, 0);
+        next.motion.hold(0, friction.rotor, &from.motion);
+        next.dry = friction.dry;
+        if let Some(element) = self.plant.rotor_presliding {
+            let travel = next.motion.position[0] - from.motion.position[0];
+            next.presliding = element.advance(from.presliding, travel);
         }
-        if let Some(i) = output {
-            settle(&mut next, from, i);
-        }
-        if let Some(element) = presliding {
-            next.presliding = element.advance(from.presliding, next.position[0] - q[0]);
-        }
-        next.sprung_acceleration = (dot(&self.sprung, &next.velocity) - dot(&self.sprung, v)) / h;
-        next
     }
 
     /// Writes the state at a point of the grid into the trace.
     #[inline(always)]
-    fn note(&self, state: &State<N>, motor: f64, trace: &mut Trace) {
-        let (q, v, plant) = (&state.position, &state.velocity, self.plant);
-        let delta = dot(&self.deflection, q);
-        let rate = dot(&self.deflection, v);
-        let force_1 = if plant.spring_is_linear() {
-            plant.stiffness * delta + plant.spring_damping * rate
-        } else {
-            plant.spring_force(delta, rate) + state.spring_slip
-        };
+    fn note(&self, state: &State<N>, trace: &mut Trace) {
+        let (q, v, plant) = (&state.motion.position, &state.motion.velocity, self.plant);
         let force_2 = match (plant.series, self.screw_end) {
             (Some(series), Some(i)) => series.stiffness * (q[i] - self.link_2.map_or(0.0, |j| q[j])),
-            _ => force_1 - plant.sprung_mass * state.sprung_acceleration,
+            _ => state.force_1 - plant.sprung_mass * state.sprung_acceleration,
         };
         trace.screw_position.push(q[0]);
         trace.screw_speed.push(v[0]);
-        trace.force_1.push(force_1);
+        trace.force_1.push(state.force_1);
         trace.force_2.push(force_2);
-        trace.motor_force.push(motor);
+        trace.motor_force.push(state.motor);
         if N > 1 {
-            trace.deflection.push(delta);
+            trace.deflection.push(dot(&self.deflection, q));
         }
         if let Some(i) = self.link_2 {
             trace.link_2_position.push(q[i]);
@@ -302,14 +541,34 @@ impl<'a, const N: usize> Stepper<'a, N> {
     }
 }
 
-/// A velocity that friction has brought to rest up to rounding is rest, and what was at rest and stays so
-/// has not moved: sticking is exact.
-fn settle<const N: usize>(next: &mut State<N>, from: &State<N>, i: usize) {
-    let size = from.velocity[i].abs() + (next.position[i] - from.position[i]).abs();
-    if next.velocity[i].abs() <= 1e-12 * size || next.velocity[i].abs() < 1e-18 {
-        next.velocity[i] = 0.0;
-        if from.velocity[i] == 0.0 {
-            next.position[i] = from.position[i];
+/// Sweeps over several frictions at once; the lumped model on a light link needs the most.
+const MOST_SWEEPS: usize = 200;
+
+impl Friction {
+    fn settled_since(&self, before: &Self) -> bool {
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-13 * (a.abs() + b.abs());
+        close(self.dry, before.dry)
+            && close(self.elastic, before.elastic)
+            && close(self.on_output, before.on_output)
+    }
+}
+
+impl<const N: usize> Motion<N> {
+    #[inline(always)]
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            position: std::array::from_fn(|i| self.position[i] + other.position[i]),
+            velocity: std::array::from_fn(|i| self.velocity[i] + other.velocity[i]),
+        }
+    }
+
+    #[inline(always)]
+    fn hold(&mut self, i: usize, held: Held, from: &Self) {
+        if held == Held::Yes {
+            self.velocity[i] = 0.0;
+            if from.velocity[i] == 0.0 {
+                self.position[i] = from.position[i];
+            }
         }
     }
 }

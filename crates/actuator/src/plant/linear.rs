@@ -132,6 +132,13 @@ fn add_product(matrix: &mut [Row; MOST], factor: f64, left: &Row, right: &Row) {
     }
 }
 
+impl LinearPart {
+    /// The inverse of the mass matrix, or `None` if it is singular.
+    pub fn inverse_mass<const N: usize>(&self) -> Option<[[f64; N]; N]> {
+        inverse(&self.mass)
+    }
+}
+
 /// What a step of length `h` does: exact for the linear part and forces that are constant over the step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Propagator<const N: usize> {

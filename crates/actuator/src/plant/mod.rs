@@ -182,20 +182,48 @@ impl Plant {
     /// The motor force in N for a command (in its unit) at screw speed `y_dot` (m/s).
     #[must_use]
     pub fn motor_force(&self, command: f64, y_dot: f64) -> f64 {
-        let force = self.force_per_command * (command + self.command_offset);
+        self.limited_force(self.commanded_force(command), y_dot)
+    }
+
+    /// The motor force in N that a command (in its unit) asks for.
+    #[inline]
+    fn commanded_force(&self, command: f64) -> f64 {
+        self.force_per_command * (command + self.command_offset)
+    }
+
+    /// What the drive leaves of a motor force in N at screw speed `y_dot` (m/s).
+    fn limited_force(&self, force: f64, y_dot: f64) -> f64 {
         self.drive_limits.iter().fold(force, |force, limit| limit.limit(force, y_dot))
     }
 
     /// The force of the spring without its slipping element, N, at deflection `delta` (m) and its rate
-    /// (m/s), positive in compression.
+    /// (m/s), positive in compression. Within play there is none, damping included: the damper works where the
+    /// spring does.
     #[must_use]
     pub fn spring_force(&self, delta: f64, delta_dot: f64) -> f64 {
-        let left = self.spring_path.iter().fold(delta, |d, path| path.left(d));
+        let left = self.spring_left(delta);
         if left == 0.0 && !self.spring_path.is_empty() {
             return 0.0;
         }
         let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot)).sum();
         self.stiffness * left + self.spring_damping * delta_dot + beside
+    }
+
+    /// The deflection that is left for the spring out of the total one, m.
+    #[inline]
+    fn spring_left(&self, delta: f64) -> f64 {
+        self.spring_path.iter().fold(delta, |d, path| path.left(d))
+    }
+
+    /// [`Plant::spring_force`] beyond the linear law, without the damper's share.
+    #[inline]
+    fn spring_force_beside(&self, delta: f64, delta_dot: f64) -> f64 {
+        let left = self.spring_left(delta);
+        if left == 0.0 && !self.spring_path.is_empty() {
+            return -self.stiffness * delta;
+        }
+        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot)).sum();
+        self.stiffness * (left - delta) + beside
     }
 
     /// Whether the spring is a linear spring and damper and nothing else.

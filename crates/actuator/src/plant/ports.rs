@@ -13,6 +13,16 @@ pub trait DryFriction: Debug + Send + Sync {
     /// the limit at rest) under the screw force `load` (N). At rest `direction` tells which way the rotor
     /// is pushed; in motion it is the sign of `speed`.
     fn bound(&self, speed: f64, direction: f64, load: f64) -> f64;
+
+    /// Whether the bound depends on speed; saying no saves time.
+    fn feels_speed(&self) -> bool {
+        true
+    }
+
+    /// Whether the bound depends on the load; saying no saves time.
+    fn feels_load(&self) -> bool {
+        true
+    }
 }
 
 /// A force on the rotor, referred to the screw, positive when it lengthens the actuator.
