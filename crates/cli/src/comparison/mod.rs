@@ -1,0 +1,157 @@
+//! Where a model fails on a campaign: what `sealegs compare` computes, apart from how it is shown.
+
+mod page;
+mod record;
+mod summary;
+mod text;
+
+pub use page::of as page;
+pub use record::of as recording;
+pub use summary::Summary;
+pub use text::of as text;
+
+use crate::failure::OrBadInput;
+use sealegs_actuator::bench::BenchModel;
+use sealegs_model::Model;
+use sealegs_sysid::frequency::{self, ChannelResponse};
+use sealegs_sysid::locate::{Location, locate};
+use sealegs_sysid::nuisance::Sensor;
+use sealegs_sysid::structure::{self, StructureTest};
+use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, fit};
+
+/// The runs of one role with both evaluations.
+pub struct Part<'a> {
+    /// The role.
+    pub role: Role,
+    /// The runs.
+    pub data: Data<'a>,
+    /// With the model file's values and sensors.
+    pub before: Evaluation,
+    /// After the refit; `None` if there was none.
+    pub after: Option<Evaluation>,
+}
+
+impl Part<'_> {
+    /// The evaluation that is looked at: after the refit, if there was one.
+    #[must_use]
+    pub fn shown(&self) -> &Evaluation {
+        self.after.as_ref().unwrap_or(&self.before)
+    }
+}
+
+/// A comparison.
+pub struct Compared<'a> {
+    /// The campaign.
+    pub campaign: &'a Campaign,
+    /// The model's name.
+    pub model: String,
+    /// The error below which no model can be expected to come, noise units.
+    pub floor: f64,
+    /// The refit.
+    pub fit: Option<Fit>,
+    /// Fit runs, then holdout runs, as far as there are any.
+    pub parts: Vec<Part<'a>>,
+    /// Where the residual sits, all runs together.
+    pub location: Location,
+    /// What it depends on.
+    pub tests: Vec<StructureTest>,
+    /// Frequency responses, all runs together.
+    pub responses: Vec<ChannelResponse>,
+    /// Simulations done, and the seconds of experiment that they covered.
+    pub work: (u64, f64),
+}
+
+/// Compares; refits unless `as_is`.
+///
+/// # Errors
+///
+/// Bad input if a refit is wanted and there is no fit run; otherwise if the model cannot be simulated.
+pub fn compare<'a>(
+    campaign: &'a Campaign,
+    model: &BenchModel,
+    floor: f64,
+    as_is: bool,
+) -> anyhow::Result<Compared<'a>> {
+    if !as_is {
+        campaign.require(Role::Fit).or_bad_input()?;
+    }
+    let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
+    let stated = |data: &Data| -> Vec<Sensor> {
+        data.channels
+            .iter()
+            .map(|c| {
+                let known = model.spec().sensors.get(&c.name);
+                Sensor {
+                    channel: c.name.clone(),
+                    gain: known.and_then(|s| s.gain).unwrap_or(1.0),
+                    gain_std: 0.0,
+                    gain_at_limit: false,
+                    bias: known.and_then(|s| s.bias).unwrap_or(0.0),
+                    bias_spread: 0.0,
+                    run_bias: Vec::new(),
+                    prior_cost: 0.0,
+                }
+            })
+            .collect()
+    };
+    let mut parts = Vec::new();
+    let mut fitted: Option<Fit> = None;
+    for role in [Role::Fit, Role::Holdout] {
+        if campaign.runs_of(role).next().is_none() {
+            continue;
+        }
+        let data = Data::new(campaign, Some(role), model).or_bad_input()?;
+        let before = data.judge(model, &nominal, &stated(&data))?;
+        let after = match (role, &fitted) {
+            _ if as_is => None,
+            (Role::Fit, _) => {
+                let found = fit::fit(&data, model, &FitOptions::default())?;
+                let evaluation = found.evaluation.clone();
+                fitted = Some(found);
+                Some(evaluation)
+            }
+            (Role::Holdout, Some(fit)) => Some(data.judge(model, &fit.values, fit.sensors())?),
+            (Role::Holdout, None) => None,
+        };
+        parts.push(Part { role, data, before, after });
+    }
+    let shown: Vec<(&Data, &Evaluation)> = parts.iter().map(|p| (&p.data, p.shown())).collect();
+    let (location, tests, responses) =
+        (locate(&shown), structure::tests(&shown), frequency::responses(&shown));
+    let work = parts.iter().map(|p| p.data.work()).fold((0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+    Ok(Compared { campaign, model: model.name(), floor, fit: fitted, parts, location, tests, responses, work })
+}
+
+impl Compared<'_> {
+    /// The part of a role.
+    #[must_use]
+    pub fn part(&self, role: Role) -> Option<&Part<'_>> {
+        self.parts.iter().find(|p| p.role == role)
+    }
+
+    /// The comparison in one sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let Some(part) = self.parts.last() else { return String::new() };
+        let error = part.shown().rms;
+        let figure = crate::diagnosis::text::figures(error, 3);
+        let what = if self.fit.is_some() { "after its own parameters were refitted" } else { "as it is" };
+        let runs = part.role.as_str();
+        if error <= 1.1 * self.floor.max(1.0) {
+            format!("The model is at the noise floor {what}: {figure} noise units on the {runs} runs.")
+        } else {
+            format!("The model leaves {figure} noise units on the {runs} runs {what}; the floor is {:.2}.", self.floor)
+        }
+    }
+}
+
+/// A measured response against the model's: where they are coherent, the greatest difference in magnitude.
+#[must_use]
+pub fn worst_of_response(response: &ChannelResponse) -> Option<(f64, f64)> {
+    let (m, p) = (&response.measured, &response.predicted);
+    (0..m.frequency_hz.len().min(p.value.len()))
+        .filter(|&i| m.coherence[i] > 0.8 && m.frequency_hz[i] > 0.0 && p.value[i].norm() > 0.0)
+        .map(|i| (m.frequency_hz[i], 20.0 * (m.value[i].norm() / p.value[i].norm()).log10()))
+        .filter(|(_, db)| db.is_finite())
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+}

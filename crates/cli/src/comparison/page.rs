@@ -1,0 +1,290 @@
+//! A comparison as one self-contained page.
+
+use super::{Compared, Part};
+use crate::diagnosis::outcome::parameters;
+use crate::diagnosis::provenance::Provenance;
+use crate::diagnosis::text::figures;
+use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue, Marker};
+use sealegs_recorder::report::{self, Report, Table, Tone};
+use sealegs_sysid::frequency::ChannelResponse;
+use sealegs_sysid::residual;
+
+/// Runs of which the motion is drawn: of each role the one with the greatest error.
+const DRAWN: usize = 1;
+
+/// The page.
+#[must_use]
+pub fn of(compared: &Compared, command: &str, provenance: &Provenance) -> String {
+    let mut page = Report::new(&format!("{}: where the model fails", compared.campaign.name));
+    page.subtitle(&compared.model);
+    let error = compared.parts.last().map_or(0.0, |p| p.shown().rms);
+    let tone = if error <= 1.1 * compared.floor.max(1.0) { Tone::Good } else { Tone::Bad };
+    page.verdict(tone, &compared.sentence(), "");
+    let mut numbers = Vec::new();
+    for part in &compared.parts {
+        let after = part.after.as_ref();
+        numbers.push((
+            format!("{} runs", part.role.as_str()),
+            figures(part.shown().rms, 3),
+            match after {
+                Some(_) => format!("noise units; {} as given", figures(part.before.rms, 3)),
+                None => "noise units, as given".to_owned(),
+            },
+        ));
+    }
+    let borrowed: Vec<_> = numbers.iter().map(|(a, b, c)| (a.as_str(), b.as_str(), c.as_str())).collect();
+    page.numbers(&borrowed);
+    place(&mut page, compared);
+    depends(&mut page, compared);
+    motion(&mut page, compared);
+    responses(&mut page, &compared.responses);
+    values(&mut page, compared);
+    errors(&mut page, compared);
+    if !compared.campaign.notes.is_empty() {
+        page.section("Remarks on the files");
+        page.list(&compared.campaign.notes);
+    }
+    page.provenance(&report::Provenance {
+        command: command.to_owned(),
+        versions: vec![("sealegs".to_owned(), provenance.version.to_owned())],
+        inputs: provenance.inputs.iter().map(|i| (i.file.clone(), format!("sha256:{}", i.sha256))).collect(),
+        seed: None,
+        notes: vec![("Model".to_owned(), provenance.model.clone())],
+    });
+    page.to_html()
+}
+
+fn place(page: &mut Report, compared: &Compared) {
+    page.section("Where it sits");
+    let worst = compared.location.worst(5);
+    if worst.is_empty() {
+        page.paragraph("The residual sits nowhere in particular.");
+    } else {
+        page.list(&worst.iter().map(|r| r.sentence()).collect::<Vec<_>>());
+    }
+    let mut axes: Vec<&str> = compared.location.regions.iter().map(|r| r.axis).collect();
+    axes.dedup();
+    page.details("All regions", |page| {
+        for axis in axes {
+            let bars = compared.location.regions.iter().filter(|r| r.axis == axis);
+            let chart = BarChart {
+                title: format!("By {axis}"),
+                axis: Axis::new("share", "%"),
+                series: vec![
+                    ("of the squared error".to_owned(), Hue::Vermillion),
+                    (
+                        if axis == "frequency" { "of the bandwidth" } else { "of the samples" }.to_owned(),
+                        Hue::Grey,
+                    ),
+                ],
+                bars: bars
+                    .map(|r| Bar {
+                        label: r.label.clone(),
+                        values: vec![100.0 * r.error_share, 100.0 * r.sample_share],
+                        text: format!("{} noise units", figures(r.error, 3)),
+                    })
+                    .collect(),
+            };
+            page.figure(&chart, &format!("Share of the squared error and of the samples by {axis}."));
+        }
+    });
+}
+
+fn depends(page: &mut Report, compared: &Compared) {
+    page.section("What it depends on");
+    let mut table = Table::new()
+        .words("residual against")
+        .numbers("explains", "%")
+        .numbers("by chance", "%")
+        .words("suggests");
+    for t in &compared.tests {
+        let on = t.detail.as_ref().map_or_else(|| t.on.to_owned(), |d| format!("{} ({d})", t.on));
+        let cells = [
+            on,
+            figures(100.0 * t.explained, 2),
+            figures(100.0 * t.by_chance, 2),
+            if t.depends() { t.suggests.to_owned() } else { "nothing".to_owned() },
+        ];
+        if t.depends() {
+            table.strong_row(cells)
+        } else {
+            table.row(cells)
+        };
+    }
+    page.table(&table, "Share of the squared residual that each dependence explains.");
+}
+
+/// Measured and predicted in time, with the residual below, for the worst run of each role.
+fn motion(page: &mut Report, compared: &Compared) {
+    page.section("Measured and predicted");
+    for part in &compared.parts {
+        let mut runs: Vec<usize> = (0..part.data.runs.len()).collect();
+        let size = |run: usize| -> f64 {
+            let blocks = part.shown().blocks.iter().filter(|b| b.run == run);
+            blocks.flat_map(|b| &b.residual).fold((0.0, 0.0f64), |(s, n), r| (s + r * r, n + 1.0)).0
+        };
+        runs.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
+        for &run in runs.iter().take(DRAWN) {
+            for slot in 0..part.data.runs[run].names.len() {
+                channel(page, part, run, slot);
+            }
+        }
+    }
+}
+
+fn channel(page: &mut Report, part: &Part, run: usize, slot: usize) {
+    let r = &part.data.runs[run];
+    let (name, unit) = (&r.names[slot], super::text::unit(&r.names[slot]));
+    let time = &r.record.time_s;
+    let group = format!("{}-{run}", r.role.as_str());
+    let points =
+        |values: &dyn Fn(usize) -> f64| time.iter().enumerate().map(|(i, &t)| (t, values(i))).collect();
+    let mut chart = Chart::new(
+        &format!("{name} in {} ({})", r.record.name, r.role.as_str()),
+        Axis::new("time", "s"),
+        Axis::new(name, unit),
+    )
+    .line("measured", Hue::Ink, Dash::Solid, points(&|i| r.measured[slot][i]));
+    let mut below = Chart::new("residual", Axis::new("time", "s"), Axis::new("measured - predicted", unit));
+    for (label, hue, dash, at) in [
+        ("as given", Hue::Vermillion, Dash::Dashed, Some(&part.before)),
+        ("refitted", Hue::Blue, Dash::DashDot, part.after.as_ref()),
+    ] {
+        let Some(at) = at else { continue };
+        let sensor = &at.sensors[r.channels[slot]];
+        let Some(p) = at.predictions[run].output(name) else { continue };
+        let shown = |i: usize| sensor.gain * p[i] + sensor.bias_of(run);
+        chart = chart.line(label, hue, dash, points(&shown));
+        below = below.line(label, hue, dash, points(&|i| r.measured[slot][i] - shown(i)));
+    }
+    let (chart, below) = (chart.zoomable(&group), below.zoomable(&group).tall(180.0));
+    page.figure_of(&[&chart, &below], &format!("{name}, measured against the model, and the residual."));
+}
+
+fn responses(page: &mut Report, responses: &[ChannelResponse]) {
+    if responses.is_empty() {
+        return;
+    }
+    page.section("Frequency responses");
+    for r in responses {
+        let (m, p) = (&r.measured, &r.predicted);
+        let coherent: Vec<usize> =
+            (0..m.frequency_hz.len()).filter(|&i| m.frequency_hz[i] > 0.0 && m.coherence[i] > 0.5).collect();
+        if coherent.len() < 3 {
+            continue;
+        }
+        let at =
+            |values: &[f64]| coherent.iter().map(|&i| (m.frequency_hz[i], values[i])).collect::<Vec<_>>();
+        let bounds = m.bounds_db(2.0);
+        let hz = || Axis::new("frequency", "Hz").log();
+        let magnitude =
+            Chart::new(&format!("{} per {}", r.channel, r.input), hz(), Axis::new("magnitude", "dB"))
+                .band(
+                    "95 % confidence",
+                    Hue::Grey,
+                    coherent.iter().map(|&i| (m.frequency_hz[i], bounds[i].0, bounds[i].1)).collect(),
+                )
+                .scatter("measured", Hue::Ink, Marker::Dot, at(&m.magnitude_db()))
+                .line("model", Hue::Blue, Dash::Solid, at(&p.magnitude_db()));
+        let degrees = |f: &[f64]| f.iter().map(|v| v.to_degrees()).collect::<Vec<_>>();
+        let phase = Chart::new("", hz(), Axis::new("phase", "degrees"))
+            .scatter("measured", Hue::Ink, Marker::Dot, at(&degrees(&m.phase_rad())))
+            .line("model", Hue::Blue, Dash::Solid, at(&degrees(&p.phase_rad())))
+            .tall(220.0);
+        let coherence = Chart::new("", hz(), Axis::new("coherence", "").range(0.0, 1.05))
+            .line(
+                "",
+                Hue::Ink,
+                Dash::Solid,
+                m.frequency_hz
+                    .iter()
+                    .copied()
+                    .zip(m.coherence.iter().copied())
+                    .filter(|x| x.0 > 0.0)
+                    .collect(),
+            )
+            .tall(150.0);
+        page.figure_of(
+            &[&magnitude, &phase, &coherence],
+            &format!(
+                "{}: H1 estimates over all runs, both sides alike; lines with a coherence above 0.5.",
+                r.channel
+            ),
+        );
+    }
+}
+
+fn values(page: &mut Report, compared: &Compared) {
+    let Some(fit) = &compared.fit else { return };
+    page.section("Parameters");
+    let mut table = Table::new()
+        .words("parameter")
+        .numbers("value", "")
+        .numbers("standard error", "")
+        .words("unit")
+        .numbers("nominal", "")
+        .words("remark");
+    for (p, v) in fit.parameters.iter().zip(parameters(fit)).filter(|(p, _)| !p.fixed) {
+        let remark = match (p.at_bound, p.felt) {
+            (Some(_), _) => "at its bound",
+            (None, false) => "not felt by these data",
+            _ => "",
+        };
+        table.row([
+            p.name.clone(),
+            figures(v.value, 6),
+            figures(p.std, 2),
+            p.unit.clone(),
+            figures(p.nominal, 6),
+            remark.to_owned(),
+        ]);
+    }
+    page.table(&table, "The model's own parameters after the refit.");
+    if fit.std_inflation > 1.5 {
+        page.remark(
+            "The residual is not noise. Standard errors follow from how far stretches of the runs disagree; they \
+             say how far the values would wander under the same wrong model, not how far they are from the truth.",
+        );
+    }
+    let mut table = Table::new()
+        .words("sensor")
+        .numbers("gain", "")
+        .numbers("bias", "")
+        .words("unit")
+        .numbers("runs scatter by", "");
+    for s in fit.sensors() {
+        let gain = if s.gain_at_limit { format!("{:.4} (limit)", s.gain) } else { format!("{:.4}", s.gain) };
+        table.row([
+            s.channel.clone(),
+            gain,
+            figures(s.bias, 3),
+            super::text::unit(&s.channel).to_owned(),
+            figures(s.bias_spread, 2),
+        ]);
+    }
+    page.table(&table, "Sensors: measured = gain x true + bias.");
+}
+
+fn errors(page: &mut Report, compared: &Compared) {
+    page.section("By run and channel");
+    let mut table = Table::new()
+        .words("run")
+        .words("role")
+        .words("channel")
+        .numbers("error", "noise units")
+        .numbers("of signal", "%")
+        .numbers("rms", "")
+        .words("unit");
+    for l in compared.parts.iter().flat_map(|p| residual::table(&p.data, p.shown())) {
+        table.row([
+            l.run,
+            l.role.as_str().to_owned(),
+            l.channel.clone(),
+            figures(l.error, 4),
+            figures(l.percent, 3),
+            figures(l.rms, 3),
+            super::text::unit(&l.channel).to_owned(),
+        ]);
+    }
+    page.table(&table, "Errors of every run and channel.");
+}

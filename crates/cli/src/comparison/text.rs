@@ -1,0 +1,121 @@
+//! A comparison for a terminal.
+
+use super::{Compared, worst_of_response};
+use crate::diagnosis::outcome::parameters;
+use crate::diagnosis::text::{figures, parameter_lines};
+use sealegs_model::Unit;
+use sealegs_sysid::{Role, residual};
+use std::fmt::Write;
+use std::time::Duration;
+
+/// The whole text.
+#[must_use]
+pub fn of(compared: &Compared, took: Duration) -> String {
+    let mut out = String::new();
+    let campaign = compared.campaign;
+    let count = |role| campaign.runs_of(role).count();
+    let _ = writeln!(
+        out,
+        "{}: {}, {} fit and {} holdout runs\n{}\n",
+        campaign.name,
+        compared.model,
+        count(Role::Fit),
+        count(Role::Holdout),
+        compared.sentence()
+    );
+    let _ = writeln!(out, "Error, rms of residual over noise     as given   refitted");
+    for part in &compared.parts {
+        let after = part.after.as_ref().map_or_else(|| "-".to_owned(), |e| figures(e.rms, 4));
+        let _ = writeln!(out, "  {:<34} {:>9}  {after:>9}", part.role.as_str(), figures(part.before.rms, 4));
+    }
+    if let Some(fit) = &compared.fit {
+        let _ = write!(out, "\nParameters\n{}", parameter_lines(&parameters(fit)));
+        for c in fit.correlations(0.95) {
+            let (a, b) = (&fit.parameters[c.first].name, &fit.parameters[c.second].name);
+            let _ = writeln!(out, "  {a} and {b} are hardly told apart (correlation {:.3})", c.value);
+        }
+        if fit.std_inflation > 1.5 {
+            let _ = writeln!(
+                out,
+                "  The residual is not noise: these errors are {} times those of white noise.",
+                figures(fit.std_inflation, 2)
+            );
+        }
+        let _ = writeln!(out, "\nSensors");
+        for s in fit.sensors() {
+            let limit = if s.gain_at_limit { ", at its limit" } else { "" };
+            let _ = writeln!(
+                out,
+                "  {:<22} gain {:.4}{limit}, bias {} {} (runs scatter by {})",
+                s.channel,
+                s.gain,
+                figures(s.bias, 3),
+                unit(&s.channel),
+                figures(s.bias_spread, 2)
+            );
+        }
+    }
+    let lines: Vec<_> = compared.parts.iter().flat_map(|p| residual::table(&p.data, p.shown())).collect();
+    let widest = lines.iter().map(|l| l.run.len()).max().unwrap_or(0).max(3);
+    let _ =
+        writeln!(out, "\n{:<widest$}  {:<8} {:<22} {:>9} {:>8}  rms", "Run", "role", "channel", "error", "%");
+    for l in lines {
+        let _ = writeln!(
+            out,
+            "{:<widest$}  {:<8} {:<22} {:>9} {:>8.2}  {} {}",
+            l.run,
+            l.role.as_str(),
+            l.channel,
+            figures(l.error, 4),
+            l.percent,
+            figures(l.rms, 3),
+            unit(&l.channel)
+        );
+    }
+    let worst = compared.location.worst(5);
+    let _ = writeln!(out, "\nWhere it sits");
+    if worst.is_empty() {
+        let _ = writeln!(out, "  Nowhere in particular.");
+    }
+    for region in worst {
+        let _ = writeln!(out, "  {}", region.sentence());
+    }
+    let found: Vec<_> = compared.tests.iter().filter(|t| t.depends()).collect();
+    let _ = writeln!(out, "\nWhat it depends on");
+    if found.is_empty() {
+        let _ = writeln!(out, "  Nothing: it is white and independent of input, direction, angle and time.");
+    }
+    for t in found {
+        let detail = t.detail.as_ref().map_or_else(String::new, |d| format!(", {d}"));
+        let _ =
+            writeln!(out, "  {} ({:.0} % of its square{detail}): {}", t.on, 100.0 * t.explained, t.suggests);
+    }
+    let mut first = true;
+    for r in &compared.responses {
+        let Some((hz, db)) = worst_of_response(r).filter(|w| w.1.abs() > 0.2) else { continue };
+        if first {
+            let _ = writeln!(out, "\nIn frequency (H1, coherence above 0.8)");
+            first = false;
+        }
+        let _ = writeln!(
+            out,
+            "  {} per {}: measured {db:+.1} dB from the model at {} Hz",
+            r.channel,
+            r.input,
+            figures(hz, 3)
+        );
+    }
+    let _ = writeln!(
+        out,
+        "\n{} simulations, {:.0} s of experiment in {:.2} s",
+        compared.work.0,
+        compared.work.1,
+        took.as_secs_f64()
+    );
+    out
+}
+
+/// A channel's unit as printed.
+pub(super) fn unit(channel: &str) -> &'static str {
+    Unit::of_channel(channel).map_or("", Unit::symbol)
+}

@@ -1,0 +1,253 @@
+//! `sealegs check`: what a campaign holds and what it can identify, before any fit.
+
+use crate::bench_model;
+use crate::diagnosis::text::figures;
+use crate::failure::OrBadInput;
+use crate::output::Destination;
+use clap::Args;
+use sealegs_model::{Model, Unit};
+use sealegs_sysid::Campaign;
+use sealegs_sysid::campaign::NoiseOrigin;
+use sealegs_sysid::check::{self, Check};
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Check a campaign: clocks, gaps, saturation, noise, excitation, and what it can identify
+#[derive(Args)]
+pub struct CheckArguments {
+    /// The campaign's folder, or its campaign.toml
+    campaign: PathBuf,
+    /// An actuator file in place of the campaign's own actuator
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
+    /// Write the result as JSON (`-` for standard output)
+    #[arg(long, value_name = "FILE.json")]
+    json: Option<PathBuf>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+///
+/// Bad input for a campaign or model file with an error in it; otherwise if the model cannot be simulated.
+pub fn run(arguments: &CheckArguments) -> anyhow::Result<u8> {
+    let mut campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
+    let model = bench_model::of_campaign(&mut campaign, arguments.model.as_deref())?;
+    campaign.notes.extend(campaign.check_against(&model).or_bad_input()?);
+    let json = Destination::optional(arguments.json.as_ref())?;
+    let found = check::check(&campaign, &model)?;
+    if let Some(destination) = json {
+        let value = to_json(&campaign, &model.name(), &found);
+        destination.write((serde_json::to_string_pretty(&value)? + "\n").as_bytes())?;
+    }
+    if arguments.json.as_deref() != Some(Path::new("-")) {
+        write!(std::io::stdout().lock(), "{}", text(&campaign, &model.name(), &found))?;
+    }
+    Ok(0)
+}
+
+fn unit(channel: &str) -> &'static str {
+    Unit::of_channel(channel).map_or("", Unit::symbol)
+}
+
+fn origin(origin: NoiseOrigin) -> &'static str {
+    match origin {
+        NoiseOrigin::Stated => "stated",
+        NoiseOrigin::Differences => "estimated from differences of neighbouring samples",
+        NoiseOrigin::Quantum => "estimated from the sensor's quantum",
+    }
+}
+
+fn text(campaign: &Campaign, model: &str, found: &Check) -> String {
+    let mut out = format!("{}: {model}, {} runs\n", campaign.name, campaign.runs.len());
+    let widest = campaign.runs.iter().map(|r| r.record.name.len()).max().unwrap_or(0).max(3);
+    let _ = writeln!(
+        out,
+        "\n{:<widest$}  {:<8} {:>7} {:>8} {:>9} {:>8} {:>5} {:>15} {:>9} {:>9} {:>7} {:>6}",
+        "Run",
+        "role",
+        "rows",
+        "time, s",
+        "rate, Hz",
+        "jitter",
+        "gaps",
+        "band, Hz",
+        "speed",
+        "load",
+        "turns",
+        "revers"
+    );
+    for (run, e) in campaign.runs.iter().zip(&found.excited) {
+        let band =
+            e.band_hz.map_or_else(|| "-".into(), |(a, b)| format!("{} - {}", figures(a, 2), figures(b, 2)));
+        let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| figures(v, 3));
+        let _ = writeln!(
+            out,
+            "{:<widest$}  {:<8} {:>7} {:>8.2} {:>9.2} {:>6.1} % {:>5} {band:>15} {:>9} {:>9} {:>7} {:>6}",
+            run.record.name,
+            run.role.as_str(),
+            run.record.len(),
+            run.clock.duration_s,
+            run.clock.rate_hz(),
+            100.0 * run.clock.jitter_s / run.clock.period_s,
+            run.clock.gaps.len(),
+            number(e.speed_peak),
+            number(e.load_peak),
+            number(e.rotor_turns),
+            e.reversals
+        );
+    }
+    let rotary = campaign.noise.iter().any(|n| n.channel.ends_with("torque_nm"));
+    let _ = writeln!(
+        out,
+        "Speed and load are the nominal model's, in {}; the band holds the middle 90 % of the input's power.",
+        if rotary { "rad/s and N m" } else { "m/s and N" }
+    );
+    let _ = writeln!(out, "\nNoise, one standard deviation");
+    for n in &campaign.noise {
+        let unit = unit(&n.channel);
+        let quantum = n.quantum.map_or_else(String::new, |q| format!(", quantum {} {unit}", figures(q, 3)));
+        let seen = if n.origin == NoiseOrigin::Stated {
+            format!("; {} {unit} seen in neighbouring samples", figures(n.from_differences, 2))
+        } else {
+            String::new()
+        };
+        let _ = writeln!(
+            out,
+            "  {:<22} {} {unit}, {}{seen}{quantum}",
+            n.channel,
+            figures(n.std, 3),
+            origin(n.origin)
+        );
+    }
+    if !campaign.repeats.is_empty() {
+        let _ = writeln!(out, "\nRepeats: what runs with the same input leave between them");
+        for r in &campaign.repeats {
+            let noise = campaign.noise_std(&r.channel).map_or(1.0, |n| n.std);
+            let _ = writeln!(
+                out,
+                "  {} and {}, {}: {} {} each ({} noise units), offset {}",
+                campaign.runs[r.runs.0].record.name,
+                campaign.runs[r.runs.1].record.name,
+                r.channel,
+                figures(r.deviation, 2),
+                unit(&r.channel),
+                figures(r.deviation / noise, 2),
+                figures(r.offset, 2)
+            );
+        }
+    }
+    let saturated: Vec<_> = found.columns.iter().filter(|c| c.saturated_share > 0.01).collect();
+    if !saturated.is_empty() {
+        let _ = writeln!(out, "\nAt a limit, perhaps (stretches of equal samples on the extreme value)");
+        for c in saturated {
+            let _ = writeln!(
+                out,
+                "  {}: {} for {:.1} % of the samples, between {} and {} {}",
+                c.run,
+                c.channel,
+                100.0 * c.saturated_share,
+                figures(c.range.0, 4),
+                figures(c.range.1, 4),
+                unit(&c.channel)
+            );
+        }
+    }
+    let _ = writeln!(out, "\nParameters: standard error that the fit runs allow, if the model were right");
+    for p in &found.parameters {
+        let prior = p.prior_std.map_or_else(|| "unknown".to_owned(), |s| figures(s, 2));
+        let _ = writeln!(
+            out,
+            "  {:<22} {:>12} ± {:<10} {:<8} known before: {prior}{}",
+            p.name,
+            figures(p.value, 5),
+            figures(p.std, 2),
+            p.unit,
+            if p.identifiable { "" } else { "  (these runs add nothing)" }
+        );
+    }
+    for (a, b, value) in &found.correlated {
+        let _ = writeln!(out, "  {a} and {b} would hardly be told apart (correlation {value:.3})");
+    }
+    let _ = writeln!(
+        out,
+        "\nEffects: how visible each would be at the strength given, beyond what parameters imitate"
+    );
+    for e in &found.effects {
+        let visible = e
+            .visible
+            .map_or_else(|| "cannot be simulated".to_owned(), |v| format!("{} noise units", figures(v, 3)));
+        let judgement = if e.identifiable() { "" } else { "  not identifiable" };
+        let alike = if e.alike.is_empty() {
+            String::new()
+        } else {
+            format!("  indistinguishable from {}", e.alike.join(", "))
+        };
+        let _ = writeln!(out, "  {:<34} {visible:>24}{judgement}{alike}  ({})", e.id, e.at);
+    }
+    if !campaign.notes.is_empty() {
+        let _ = writeln!(out, "\nRemarks");
+        for note in &campaign.notes {
+            let _ = writeln!(out, "  {note}");
+        }
+    }
+    out
+}
+
+fn to_json(campaign: &Campaign, model: &str, found: &Check) -> serde_json::Value {
+    use serde_json::json;
+    let runs: Vec<_> = campaign
+        .runs
+        .iter()
+        .zip(&found.excited)
+        .map(|(run, e)| {
+            json!({
+                "file": run.record.name, "role": run.role.as_str(), "rows": run.record.len(),
+                "scored_rows": run.scored.len(),
+                "clock": {
+                    "duration_s": run.clock.duration_s, "period_s": run.clock.period_s,
+                    "jitter_s": run.clock.jitter_s, "longest_s": run.clock.longest_s,
+                    "rate_deviation": run.clock.rate_deviation,
+                    "gaps": run.clock.gaps.iter()
+                        .map(|g| json!({ "from_s": g.from_s, "length_s": g.length_s })).collect::<Vec<_>>(),
+                },
+                "unknown_columns": run.unknown.iter().map(|s| s.channel.clone()).collect::<Vec<_>>(),
+                "excited": {
+                    "input": e.input, "input_peak": e.input_peak, "input_rms": e.input_rms,
+                    "band_hz": e.band_hz, "speed_peak": e.speed_peak, "standing_share": e.standing_share,
+                    "load_peak": e.load_peak, "reversals": e.reversals, "rotor_turns": e.rotor_turns,
+                    "quiet_rows": e.quiet_rows,
+                },
+            })
+        })
+        .collect();
+    let name = |i: usize| campaign.runs[i].record.name.clone();
+    json!({
+        "campaign": campaign.name,
+        "model": model,
+        "runs": runs,
+        "columns": found.columns.iter().map(|c| json!({
+            "run": c.run, "channel": c.channel, "min": c.range.0, "max": c.range.1, "rms": c.rms,
+            "quantum": c.quantum, "saturated_share": c.saturated_share,
+        })).collect::<Vec<_>>(),
+        "noise": campaign.noise.iter().map(|n| json!({
+            "channel": n.channel, "std": n.std, "origin": origin(n.origin),
+            "from_differences": n.from_differences, "quantum": n.quantum,
+        })).collect::<Vec<_>>(),
+        "repeats": campaign.repeats.iter().map(|r| json!({
+            "runs": [name(r.runs.0), name(r.runs.1)], "channel": r.channel, "deviation": r.deviation,
+            "offset": r.offset,
+        })).collect::<Vec<_>>(),
+        "parameters": found.parameters.iter().map(|p| json!({
+            "name": p.name, "value": p.value, "std": p.std, "unit": p.unit, "prior_std": p.prior_std,
+            "identifiable": p.identifiable,
+        })).collect::<Vec<_>>(),
+        "correlated": found.correlated,
+        "effects": found.effects.iter().map(|e| json!({
+            "id": e.id, "at": e.at, "visible": e.visible, "imitated_share": e.imitated_share,
+            "identifiable": e.identifiable(), "alike": e.alike,
+        })).collect::<Vec<_>>(),
+        "notes": campaign.notes,
+    })
+}
