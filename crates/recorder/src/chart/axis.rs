@@ -54,7 +54,7 @@ impl Axis {
         if let Some((a, b)) = self.range.filter(|(a, b)| a < b && self.admits(*a) && self.admits(*b)) {
             return (a, b);
         }
-        if !(low <= high) {
+        if low > high || low.is_nan() || high.is_nan() {
             return match self.scale {
                 AxisScale::Linear => (0.0, 1.0),
                 AxisScale::Logarithmic => (1.0, 10.0),

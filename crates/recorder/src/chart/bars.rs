@@ -42,7 +42,7 @@ impl BarChart {
     }
 
     fn head(&self, width: f64) -> f64 {
-        let titles = wrap(&self.title, 14.5, width - 16.0).len() as f64;
+        let titles = wrap(&self.title, 16.0, width - 16.0).len() as f64;
         17.0 * titles + 12.0 + if self.series.len() > 1 { 19.0 * self.legend_rows(width) } else { 0.0 }
     }
 
@@ -73,7 +73,7 @@ impl Picture for BarChart {
 
         let mut svg = open(size.width, height, &self.title, "");
         let mut y = 6.0;
-        for part in wrap(&self.title, 14.5, size.width - 16.0) {
+        for part in wrap(&self.title, 16.0, size.width - 16.0) {
             y += 17.0;
             svg.push_str(&text(8.0, y, "start", "ttl", &part));
         }

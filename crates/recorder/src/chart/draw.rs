@@ -57,11 +57,12 @@ impl Picture for Chart {
         // Room on the left for the widest tick label; the ticks depend on the height only weakly.
         let y_ticks = Ticks::new(self.y.scale, y, ((size.height - 90.0) / 48.0).max(3.0) as usize);
         let widest = y_ticks.major.iter().map(|(_, l)| text_width(l, 12.0)).fold(0.0, f64::max);
-        let left = 12.0 + 18.0 + widest + 8.0;
+        // At least a usual width, so that pictures below each other have one left edge.
+        let left = 12.0 + 18.0 + widest.max(36.0) + 8.0;
         let right = 16.0;
         let mut head = String::new();
         let mut top = 6.0;
-        for part in wrap(&self.title, 14.5, size.width - 16.0) {
+        for part in wrap(&self.title, 16.0, size.width - 16.0) {
             top += 17.0;
             head.push_str(&text(8.0, top, "start", "ttl", &part));
         }
@@ -91,10 +92,11 @@ impl Picture for Chart {
             "<clipPath id=\"{clip}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath><g clip-path=\"url(#{clip})\">",
             px(frame.left), px(frame.top), px(frame.width), px(frame.height)
         ));
-        svg.push_str(&inside(&frame, size));
+        let mut taken = Vec::new();
+        svg.push_str(&inside(&frame, size, &mut taken));
         svg.push_str("</g>");
         svg.push_str(&references(&frame));
-        svg.push_str(&notes(&frame));
+        svg.push_str(&notes(&frame, taken));
         svg.push_str("</svg>");
         svg
     }
@@ -227,7 +229,8 @@ fn axes(frame: &Frame<'_>, x_ticks: &Ticks, y_ticks: &Ticks) -> String {
     svg
 }
 
-fn inside(frame: &Frame<'_>, size: Size) -> String {
+/// What is clipped to the frame; the boxes of words in it are added to `taken`.
+fn inside(frame: &Frame<'_>, size: Size, taken: &mut Vec<[f64; 4]>) -> String {
     let chart = frame.chart;
     let mut svg = String::new();
     for band in &chart.bands {
@@ -279,6 +282,7 @@ fn inside(frame: &Frame<'_>, size: Size) -> String {
                 let half = 0.5 * text_width(label, 12.0) + 2.0;
                 let x = x.clamp(frame.left + half, (frame.right() - half).max(frame.left + half));
                 svg.push_str(&text(x, y + 4.0, "middle", "halo", label));
+                taken.push([x - half, y - 7.0, x + half, y + 7.0]);
             }
         }
     }
@@ -325,9 +329,16 @@ fn references(frame: &Frame<'_>) -> String {
             continue;
         }
         svg.push_str(&line((x, frame.top), (x, frame.bottom()), "rf h7"));
-        let y = frame.top + 14.0 + 15.0 * (i % 4) as f64;
-        let fits = x + 4.0 + text_width(label, 12.0) <= frame.right();
-        let (x, anchor) = if fits { (x + 4.0, "start") } else { (x - 4.0, "end") };
+        // At the bottom: peaks, which such lines mark, are at the top.
+        let y = frame.bottom() - 8.0 - 15.0 * (i % 4) as f64;
+        let width = text_width(label, 12.0);
+        let (x, anchor) = if x + 4.0 + width <= frame.right() {
+            (x + 4.0, "start")
+        } else if x - 4.0 - width >= frame.left {
+            (x - 4.0, "end")
+        } else {
+            (frame.left + 4.0, "start")
+        };
         svg.push_str(&text(x, y, anchor, "halo", label));
     }
     for (at, label) in &frame.chart.horizontals {
@@ -343,9 +354,8 @@ fn references(frame: &Frame<'_>) -> String {
 }
 
 /// Marked points, each with its words where the frame leaves room and no earlier words are.
-fn notes(frame: &Frame<'_>) -> String {
+fn notes(frame: &Frame<'_>, mut taken: Vec<[f64; 4]>) -> String {
     let mut svg = String::new();
-    let mut taken: Vec<[f64; 4]> = Vec::new();
     for note in &frame.chart.notes {
         let Some((x, y)) = frame.point(note.at) else {
             continue;

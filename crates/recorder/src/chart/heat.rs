@@ -96,7 +96,7 @@ impl Picture for HeatMap {
 impl HeatMap {
     fn lines(&self, size: Size) -> Vec<(String, &'static str)> {
         let wrapped = |t: &str, px: f64| wrap(t, px, size.width - 16.0);
-        let title = wrapped(&self.title, 14.5).into_iter().map(|t| (t, "ttl"));
+        let title = wrapped(&self.title, 16.0).into_iter().map(|t| (t, "ttl"));
         title.chain(wrapped(&self.value_label, 13.0).into_iter().map(|t| (t, "lab"))).collect()
     }
 

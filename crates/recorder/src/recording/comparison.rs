@@ -104,7 +104,8 @@ impl Comparison {
                     return Err(RecorderError::Duplicate { path });
                 }
             }
-            if let Some(pair) = run.time_s.windows(2).find(|w| !(w[0] < w[1])) {
+            if let Some(pair) = run.time_s.windows(2).find(|w| w[0] >= w[1] || w[0].is_nan() || w[1].is_nan())
+            {
                 return Err(RecorderError::TimeOrder { time_s: pair[1], previous_s: pair[0] });
             }
         }
