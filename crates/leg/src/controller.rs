@@ -1,5 +1,10 @@
 //! Who commands the motors: joint-space PD through the actuators' moment arms, and current profiles.
 //!
+//! Stiffness acts on the joint's position. Damping acts on the joint speeds that the motors stand for (their
+//! screw speeds through the moment arms), not on the joints' own: seen through the springs, damping of a
+//! light foot's own speed would be unstable. With the spring's stiffness `k_q` at the joint, position feedback
+//! is stable below `k_q` whatever the link's inertia (Routh's criterion on motor, spring and link).
+//!
 //! The command is found at the controller's rate and holds in between. Joint torques are shared out to the
 //! actuators so that `A^T F` comes nearest to the wanted torques, `A` being the matrix of moment arms; the
 //! motor force `F` becomes the current `F r / K_tau`, clipped at the limit.
@@ -23,6 +28,17 @@ pub(crate) fn share_out(arms: &DMatrix<f64>, torques: &DVector<f64>) -> DVector<
     }
     let right = arms * torques;
     square.cholesky().map_or_else(|| DVector::zeros(arms.nrows()), |c| c.solve(&right))
+}
+
+/// The joint speeds that the screws' speeds stand for, the smallest where several do: `A q' = y'`.
+fn seen_at_joints(arms: &DMatrix<f64>, actuators: &[Actuator]) -> DVector<f64> {
+    let rates = DVector::from_iterator(actuators.len(), actuators.iter().map(Actuator::screw_speed));
+    let mut square = arms * arms.transpose();
+    let small = 1e-12 * square.trace().max(1e-300);
+    for i in 0..square.nrows() {
+        square[(i, i)] += small;
+    }
+    square.cholesky().map_or_else(|| DVector::zeros(arms.ncols()), |c| arms.transpose() * c.solve(&rates))
 }
 
 /// The moment arms of the actuators over the robot's degrees of freedom.
@@ -151,6 +167,7 @@ impl Controller {
     fn pd(&self, time_s: f64, engine: &Engine, actuators: &[Actuator]) -> DVector<f64> {
         let dofs = self.joints.len();
         let arms = moment_arms(engine, actuators, dofs);
+        let motor_speeds = seen_at_joints(&arms, actuators);
         let weight = engine.gravity_forces();
         let (mut torques, mut speeds, mut accelerations) =
             (DVector::zeros(dofs), DVector::zeros(dofs), DVector::zeros(dofs));
@@ -158,7 +175,7 @@ impl Controller {
             let [position, speed, acceleration] =
                 joint.motion.map_or([joint.posture, 0.0, 0.0], |m| m.at(time_s, joint.posture));
             torques[dof] = joint.stiffness * (position - engine.q[dof])
-                + joint.damping * (speed - engine.joint_velocity(dof));
+                + joint.damping * (speed - motor_speeds[dof]);
             if self.gravity_compensation {
                 torques[dof] -= weight[engine.column(dof)];
             }

@@ -189,14 +189,6 @@ impl Contact {
         self.touches = self.points.iter().map(touch).collect();
     }
 
-    /// Distance of the lowest sole point from the plane, m; infinite without sole points.
-    pub fn clearance_m(&self, engine: &Engine) -> f64 {
-        self.points
-            .iter()
-            .map(|p| (engine.states[p.body].pose * p.center - self.origin).dot(&self.normal) - p.radius_m)
-            .fold(f64::INFINITY, f64::min)
-    }
-
     /// Puts the ground's forces on the bodies. Velocities are those at the time of the pose.
     pub fn apply(&mut self, engine: &mut Engine, step_s: f64) -> GroundInstant {
         let mut total = GroundInstant::default();

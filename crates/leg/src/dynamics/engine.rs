@@ -275,11 +275,6 @@ impl Engine {
         self.rail.then_some(0)
     }
 
-    /// Mass of a body, kg.
-    pub fn mass_kg(&self, body: usize) -> f64 {
-        self.mass_kg[body]
-    }
-
     /// Moves the joints to `q` (and the carriage back to where it was built) and gives the generalised velocity `now`, with `before` as that of the step
     /// before (both in the engine's order): see the module's text on the leapfrog.
     pub fn set_state(&mut self, q: &[f64], now: &DVector<f64>, before: &DVector<f64>) {

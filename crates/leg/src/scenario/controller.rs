@@ -23,9 +23,9 @@ pub struct ControllerSpec {
     pub kind: ControllerKind,
     /// Samples per second; the command holds in between. A multiple of the step must fit.
     pub rate_hz: f64,
-    /// Joint stiffness, N m/rad.
+    /// Joint stiffness, N m/rad; stable below the springs' own at the joint (`k` times moment arm squared).
     pub stiffness_nm_rad: f64,
-    /// Joint damping, N m s/rad, beside the motors' own.
+    /// Joint damping, N m s/rad, beside the motors' own; it acts on the speeds that the motors stand for.
     pub damping_nm_s_rad: f64,
     /// Adds what holds the leg's own weight as it hangs from its base.
     pub gravity_compensation: bool,
@@ -44,7 +44,7 @@ impl Default for ControllerSpec {
         Self {
             kind: ControllerKind::Free,
             rate_hz: 1000.0,
-            stiffness_nm_rad: 1000.0,
+            stiffness_nm_rad: 500.0,
             damping_nm_s_rad: 20.0,
             gravity_compensation: true,
             feed_forward: true,

@@ -50,21 +50,44 @@ pub struct Peaks {
     pub actuators: Vec<ActuatorPeaks>,
 }
 
-/// What is going on now, per actuator.
+/// A limit that is passed again sooner than this after it ended is the same event, s.
+const QUIET_S: f64 = 0.05;
+
+/// Whether something is going on, or was a moment ago.
 #[derive(Debug, Clone, Copy, Default)]
 struct Going {
-    saturated: bool,
-    rated: bool,
-    yielded: bool,
-    stroke: bool,
+    since: bool,
+    last_s: f64,
+}
+
+impl Going {
+    /// Whether something begins now.
+    fn begins(&mut self, time_s: f64, now: bool) -> bool {
+        if now {
+            let begins = !self.since;
+            *self = Self { since: true, last_s: time_s };
+            return begins;
+        }
+        self.since &= time_s - self.last_s < QUIET_S;
+        false
+    }
+}
+
+/// What is going on now, per actuator.
+#[derive(Debug, Clone, Copy, Default)]
+struct ActuatorGoing {
+    saturated: Going,
+    rated: Going,
+    yielded: Going,
+    stroke: Going,
 }
 
 /// Looks at every step.
 #[derive(Debug)]
 pub(super) struct Watch {
     peaks: Peaks,
-    going: Vec<Going>,
-    stopped: Vec<bool>,
+    going: Vec<ActuatorGoing>,
+    stopped: Vec<Going>,
     touching: bool,
     begun: bool,
 }
@@ -75,8 +98,8 @@ impl Watch {
             leg.actuators.iter().map(|a| ActuatorPeaks { name: a.name.clone(), ..Default::default() });
         Self {
             peaks: Peaks { ground_force_n: Peak::default(), actuators: peaks.collect() },
-            going: vec![Going::default(); leg.actuators.len()],
-            stopped: vec![false; leg.joints.len()],
+            going: vec![ActuatorGoing::default(); leg.actuators.len()],
+            stopped: vec![Going::default(); leg.joints.len()],
             touching: false,
             begun: false,
         }
@@ -86,7 +109,7 @@ impl Watch {
         &self.peaks
     }
 
-    /// Looks at one instant; an event is reported when it begins, and again only after it has ended.
+    /// Looks at one instant; an event is reported when it begins, and again only after some quiet.
     #[allow(clippy::too_many_arguments)]
     pub fn look(
         &mut self,
@@ -132,48 +155,41 @@ impl Watch {
             peak.rotor_speed_rad_s.look(time_s, instant.rotor_speed_rad_s);
             let limits = &model.limits;
             let force = instant.force_1_n.abs().max(instant.force_2_n.abs());
-            let now = Going {
-                saturated: saturated[i],
-                rated: limits.rated_force.is_some_and(|l| force > l),
-                yielded: limits.yield_force.is_some_and(|l| instant.spring_force_n.abs() > l),
-                stroke: !model.length.contains(instant.length_m),
-            };
-            let was = std::mem::replace(&mut self.going[i], now);
+            let going = &mut self.going[i];
             let name = &model.name;
-            if now.saturated && !was.saturated {
+            if going.saturated.begins(time_s, saturated[i]) {
                 let text = format!("current at its limit: {:.2} A", instant.current_a);
                 say(EventKind::Saturation, name, text);
             }
-            if let (true, false, Some(limit)) = (now.rated, was.rated, limits.rated_force) {
+            let rated = limits.rated_force.unwrap_or(f64::INFINITY);
+            if going.rated.begins(time_s, force > rated) {
                 say(
                     EventKind::RatedForce,
                     name,
-                    format!("past the rated force: {force:.0} N, rated {limit:.0} N"),
+                    format!("past the rated force: {force:.0} N, rated {rated:.0} N"),
                 );
             }
-            if let (true, false, Some(limit)) = (now.yielded, was.yielded, limits.yield_stress_pa) {
-                let (stress, limit) = (stress * 1e-6, limit * 1e-6);
+            let yielded = limits.yield_force.is_some_and(|l| instant.spring_force_n.abs() > l);
+            if going.yielded.begins(time_s, yielded) {
+                let (stress, limit) = (stress * 1e-6, limits.yield_stress_pa.unwrap_or(0.0) * 1e-6);
                 say(
                     EventKind::Yield,
                     name,
                     format!("beam past yield: {stress:.0} MPa, strength {limit:.0} MPa"),
                 );
             }
-            if now.stroke && !was.stroke {
+            if going.stroke.begins(time_s, !model.length.contains(instant.length_m)) {
                 let (l, r) = (1e3 * instant.length_m, model.length);
                 let (min, max) = (1e3 * r.min_m, 1e3 * r.max_m);
                 let text = format!("out of stroke: {l:.1} mm long, from {min:.1} to {max:.1} mm allowed");
                 say(EventKind::Stroke, name, text);
             }
         }
-        let mut now = vec![];
-        now.extend(stopped);
+        let now: Vec<usize> = stopped.collect();
         for dof in 0..self.stopped.len() {
-            let is = now.contains(&dof);
-            if is && !self.stopped[dof] {
+            if self.stopped[dof].begins(time_s, now.contains(&dof)) {
                 say(EventKind::JointStop, &leg.joints[dof], "the joint is at its stop".to_owned());
             }
-            self.stopped[dof] = is;
         }
     }
 }

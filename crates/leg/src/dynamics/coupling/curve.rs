@@ -53,6 +53,7 @@ impl Curve {
         Ok(Self { from_rad, interval_rad, nodes })
     }
 
+    #[cfg(test)]
     /// The range of crank angles in which the linkage closes, rad.
     pub fn range_rad(&self) -> [f64; 2] {
         [self.from_rad, self.from_rad + (self.nodes.len() - 1) as f64 * self.interval_rad]

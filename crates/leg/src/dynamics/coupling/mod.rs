@@ -102,9 +102,9 @@ impl Actuator {
         Ok(Some(Self::new(coefficients, path, engine)))
     }
 
-    /// Length now, m.
-    pub fn length_m(&self) -> f64 {
-        self.reach.length_m
+    /// Speed of the screw, extrapolated to the time of the poses, m/s.
+    pub fn screw_speed(&self) -> f64 {
+        self.rotor.speed_now()
     }
 
     /// The gradient of the length: moment arms over the engine's coordinates.
