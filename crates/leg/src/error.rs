@@ -24,11 +24,11 @@ pub enum LegError {
         /// The element or field, for example `link 'shank' inertial`.
         element: String,
         /// What is wrong.
-        fault: RobotFault,
+        fault: Box<RobotFault>,
     },
     /// An actuator's file, its spring setting or its linkage is not usable.
     #[error(transparent)]
-    Actuator(#[from] sealegs_actuator::ActuatorError),
+    Actuator(Box<sealegs_actuator::ActuatorError>),
     /// No robot is embedded under this name, and no file has it.
     #[error("no robot '{name}': neither a file nor one of {}{}", known.join(", "), did_you_mean(suggestion.as_deref()))]
     UnknownRobot {
@@ -76,6 +76,12 @@ impl LegError {
     /// A key of a scenario that is not usable.
     pub(crate) fn scenario(file: &str, field: &str, problem: String) -> Self {
         Self::Scenario { file: file.to_owned(), field: field.to_owned(), problem }
+    }
+}
+
+impl From<sealegs_actuator::ActuatorError> for LegError {
+    fn from(error: sealegs_actuator::ActuatorError) -> Self {
+        Self::Actuator(Box::new(error))
     }
 }
 

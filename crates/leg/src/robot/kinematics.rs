@@ -156,7 +156,12 @@ impl Robot {
                     file: self.source.placement_name(),
                     line: None,
                     element: format!("actuator '{}'", placement.name),
-                    fault: RobotFault::OutOfStroke { length_m, min_m, max_m, posture: posture.to_owned() },
+                    fault: Box::new(RobotFault::OutOfStroke {
+                        length_m,
+                        min_m,
+                        max_m,
+                        posture: posture.to_owned(),
+                    }),
                 });
             }
         }

@@ -28,6 +28,10 @@ pub struct Inertial {
 }
 
 impl Inertial {
+    /// Principal moments may break the triangle inequality by this ratio: URDFs print few digits, and a thin
+    /// plate obeys it as an equality.
+    pub(super) const TRIANGLE_TOLERANCE: f64 = 1e-3;
+
     /// These mass properties with a point mass added at `point` (link frame, m), or taken out where
     /// `mass_kg` is negative. The result is not checked: see [`Inertial::is_physical`].
     #[must_use]
@@ -44,15 +48,16 @@ impl Inertial {
     }
 
     /// Whether a body can have these mass properties: positive mass, positive definite inertia, and
-    /// principal moments that obey the triangle inequality (to a relative 1e-6).
+    /// principal moments that obey the triangle inequality.
     #[must_use]
     pub fn is_physical(&self) -> bool {
-        if !(self.mass_kg > 0.0 && self.mass_kg.is_finite()) || !self.inertia.iter().all(|v| v.is_finite()) {
+        let finite = self.mass_kg.is_finite() && self.inertia.iter().all(|v| v.is_finite());
+        if !finite || self.mass_kg <= 0.0 {
             return false;
         }
         let mut m = self.inertia.symmetric_eigenvalues();
         m.as_mut_slice().sort_by(f64::total_cmp);
-        m[0] > 0.0 && m[2] <= (m[0] + m[1]) * (1.0 + 1e-6)
+        m[0] > 0.0 && m[2] <= (m[0] + m[1]) * (1.0 + Self::TRIANGLE_TOLERANCE)
     }
 }
 

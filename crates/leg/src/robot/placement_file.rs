@@ -101,7 +101,7 @@ impl Robot {
                 file: file.to_owned(),
                 line,
                 element: format!("actuator '{}' {field}", entry.name).trim_end().to_owned(),
-                fault,
+                fault: Box::new(fault),
             };
             let placement = Resolver { robot: &self, entry, folder }.placement().map_err(fault)?;
             let contained_in = placement.sprung_mass_in;

@@ -17,7 +17,7 @@ impl Robot {
                 file: self.source.placement_name(),
                 line: None,
                 element: format!("actuator '{}' sprung_mass_in", self.actuators[i].name),
-                fault,
+                fault: Box::new(fault),
             })?;
             self.links[link].inertial = Some(rest);
             for placement in self.actuators.iter_mut().filter(|a| a.sprung_mass_in == Some(link)) {

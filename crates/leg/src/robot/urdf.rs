@@ -13,10 +13,6 @@ use super::{
 use crate::LegError;
 use crate::error::nearest;
 
-/// Principal moments may break the triangle inequality by this ratio: URDFs print few digits, and a thin
-/// plate obeys it as an equality.
-const TRIANGLE_TOLERANCE: f64 = 1e-3;
-
 impl Robot {
     /// A robot without actuators from URDF text. `file` is what messages call it, `folder` is where meshes
     /// are looked for.
@@ -35,7 +31,7 @@ impl Robot {
             file: file.to_owned(),
             line: None,
             element: "URDF".to_owned(),
-            fault: RobotFault::NotUrdf(e.to_string()),
+            fault: Box::new(RobotFault::NotUrdf(e.to_string())),
         })?;
         let mut reader = Reader { file, folder, survey, urdf };
         reader.drop_base_joint()?;
@@ -59,7 +55,7 @@ impl Reader<'_> {
             file: self.file.to_owned(),
             line: self.survey.line(whole).or_else(|| self.survey.line(element)),
             element: whole.to_owned(),
-            fault,
+            fault: Box::new(fault),
         }
     }
 
@@ -199,7 +195,7 @@ impl Reader<'_> {
         moments.sort_by(f64::total_cmp);
         let impossible = if moments[0] <= 0.0 {
             Some("each must be positive")
-        } else if moments[2] > (moments[0] + moments[1]) * (1.0 + TRIANGLE_TOLERANCE) {
+        } else if moments[2] > (moments[0] + moments[1]) * (1.0 + Inertial::TRIANGLE_TOLERANCE) {
             Some("the largest exceeds the sum of the other two")
         } else {
             None

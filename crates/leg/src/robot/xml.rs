@@ -94,7 +94,7 @@ pub(super) fn survey(text: &str, file: &str) -> Result<Survey, LegError> {
         file: file.to_owned(),
         line: Some(e.pos().row),
         element: "URDF".to_owned(),
-        fault: RobotFault::NotXml(e.to_string()),
+        fault: Box::new(RobotFault::NotXml(e.to_string())),
     })?;
     let root = document.root_element();
     let mut look = Look { file, document: &document, found: Survey::default(), unread: BTreeMap::new() };
@@ -127,7 +127,12 @@ impl Look<'_> {
     }
 
     fn error(&self, node: Node, element: String, fault: RobotFault) -> LegError {
-        LegError::Robot { file: self.file.to_owned(), line: Some(self.line(node)), element, fault }
+        LegError::Robot {
+            file: self.file.to_owned(),
+            line: Some(self.line(node)),
+            element,
+            fault: Box::new(fault),
+        }
     }
 
     /// Checks an element, whose place in messages is `place`, and what is in it.

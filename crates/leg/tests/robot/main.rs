@@ -50,7 +50,7 @@ fn taken_apart(error: LegError) -> (Option<u32>, String, RobotFault) {
             let place = line.map_or(file.clone(), |l| format!("{file}:{l}"));
             assert_eq!(message, format!("{place}: {element}: {fault}"));
             assert!(!message.contains('\n'), "{message}");
-            (line, element, fault)
+            (line, element, *fault)
         }
         other => panic!("{other}"),
     }
