@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::output::Destination;
-use crate::reproduce::{reproduce, text};
+use crate::reproduce::{html, reproduce, text};
 
 /// Recompute the numbers of the dissertation "Series Elasticity in Linearly Actuated Humanoids".
 #[derive(Args)]
@@ -14,7 +14,10 @@ pub struct Reproduce {
     /// Write the rows as JSON (`-` for standard output)
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
-    /// Show every row, not only the misses
+    /// Write a page with the figures and every row
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Print every row, not only the misses
     #[arg(long)]
     all: bool,
 }
@@ -26,14 +29,19 @@ pub struct Reproduce {
 /// Bad input if a file cannot be written; otherwise only if a simulation fails.
 pub fn run(arguments: &Reproduce) -> anyhow::Result<u8> {
     let json = Destination::optional(arguments.json.as_ref())?;
-    let json_to_stdout = arguments.json.as_deref() == Some(Path::new("-"));
+    let report = Destination::optional(arguments.report.as_ref())?;
     let reproduction = reproduce()?;
     if let Some(destination) = json {
         let mut text = serde_json::to_string_pretty(&text::json(&reproduction))?;
         text.push('\n');
         destination.write(text.as_bytes())?;
     }
-    if !json_to_stdout {
+    if let Some(destination) = report {
+        let command = std::env::args().collect::<Vec<_>>().join(" ");
+        destination.write(html::html(&reproduction, &command)?.as_bytes())?;
+    }
+    let to_stdout = |p: &Option<PathBuf>| p.as_deref() == Some(Path::new("-"));
+    if !to_stdout(&arguments.json) && !to_stdout(&arguments.report) {
         write!(std::io::stdout().lock(), "{}", text::table(&reproduction, arguments.all))?;
     }
     Ok(0)
