@@ -276,7 +276,7 @@ fn uniform(seed: u64, n: u64) -> f64 {
 }
 
 /// The `n`-th standard normal number, by Box and Muller from two uniform ones.
-fn gaussian(seed: u64, n: i64) -> f64 {
+pub(crate) fn gaussian(seed: u64, n: i64) -> f64 {
     let n = n as u64;
     let (u, v) = (uniform(seed, n.wrapping_mul(2)), uniform(seed, n.wrapping_mul(2).wrapping_add(1)));
     (-2.0 * u.ln()).sqrt() * (TAU * v).cos()

@@ -4,13 +4,18 @@
 //! held and the screw turns a lever with a mass that hangs in gravity. Either link may also be a free mass.
 
 mod channel;
+mod linear;
 mod pendulum;
+mod sensor;
 
 pub use channel::{INPUTS, OUTPUTS};
+pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
+pub use sensor::{Recording, Sensor, record};
 
-use crate::effect::{ActuatorKind, CATALOGUE, Effect, Setting, ids};
+use crate::effect::{ActuatorKind, CATALOGUE, Effect, Setting, embedded, ids};
 use crate::plant::{Grid, Link, Plant, Trace, mean_per_step};
+use crate::spec::{EffectSpec, EffectValue};
 use crate::text::nearest;
 use crate::{ActuatorError, ActuatorSpec, Configuration, Kind};
 use sealegs_model::{EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record};
@@ -106,11 +111,12 @@ impl BenchModel {
         Self::with_own_effects(spec, bench, Vec::new())
     }
 
-    /// As [`BenchModel::new`], with effects of the user's own beside the catalogue's.
+    /// As [`BenchModel::new`], with effects of the user's own beside the catalogue's and beside those that the
+    /// file defines itself.
     ///
     /// # Errors
     ///
-    /// As [`BenchModel::new`].
+    /// As [`BenchModel::new`], and those of [`crate::effect::OwnEffect::from_definition`].
     pub fn with_own_effects(
         spec: ActuatorSpec,
         bench: Bench,
@@ -118,6 +124,7 @@ impl BenchModel {
     ) -> Result<Self, ActuatorError> {
         let parameters = spec.base_parameters();
         let wanted = spec.effects.clone();
+        let own = embedded(&wanted, own)?;
         let mut model = Self {
             spec: Arc::new(spec),
             bench,
@@ -155,6 +162,34 @@ impl BenchModel {
     pub fn with_step(mut self, step_s: f64) -> Self {
         self.step_s = step_s;
         self
+    }
+
+    /// The included effects as a model file keeps them, for parameter `values` and standard deviations `stds`
+    /// (in the order of the model's parameters; those that are missing or not positive are left out).
+    #[must_use]
+    pub fn effect_specs(&self, values: &[f64], stds: &[f64]) -> Vec<EffectSpec> {
+        let of = |included: &Included| {
+            let own = included.first..included.first + included.count;
+            let symbol = |i: usize| self.parameters[i].name[included.id.len() + 1..].to_owned();
+            let std = |i: usize| stds.get(i).copied().filter(|s| *s > 0.0 && s.is_finite());
+            EffectSpec {
+                id: included.id.clone(),
+                parameters: own.map(|i| (symbol(i), EffectValue { value: values[i], std: std(i) })).collect(),
+                definition: included.effect.get().definition().cloned(),
+            }
+        };
+        self.included.iter().map(of).collect()
+    }
+
+    /// As [`Model::with_effect`], still as a bench.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::with_effect`].
+    pub fn including(&self, id: &str, seen: &Excitation) -> Result<Self, ModelError> {
+        let mut model = self.clone();
+        model.include(id, seen)?;
+        Ok(model)
     }
 
     /// The actuator's file.
@@ -340,9 +375,7 @@ impl Model for BenchModel {
     }
 
     fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {
-        let mut model = self.clone();
-        model.include(id, seen)?;
-        Ok(Box::new(model))
+        Ok(Box::new(self.including(id, seen)?))
     }
 
     fn predict(
@@ -361,7 +394,8 @@ impl Model for BenchModel {
             Bench::Pendulum(rig) => rig.arm_m,
             _ => 1.0,
         };
-        let nominal_stiffness = self.spec.coefficients().stiffness;
+        // What the logger was told, not what a fit found since.
+        let nominal_stiffness = self.spec.spring.stiffness();
         let (start_s, step_s) = (trace.grid.start_s, trace.grid.step_s);
         let events = self.spec.spring_limits().over_run(start_s, step_s, &trace.force_1);
         let sensed = channel::sense(&plant, trace, arm_m, nominal_stiffness, &record.time_s, channels);

@@ -2,6 +2,7 @@
 //!
 //! A new effect is one file here, its `mod` line, and one entry in [`CATALOGUE`]. The tests over the whole
 //! registry then apply to it: unique id, units, neutral values that change nothing, passivity, recovery.
+//! A user writes an effect of their own without recompiling, as a file with an expression: [`OwnEffect`].
 
 mod backlash;
 mod command_quantisation;
@@ -11,6 +12,7 @@ mod direction_dependent_friction;
 mod hardening_spring;
 mod load_dependent_friction;
 mod output_friction;
+mod own;
 mod presliding_friction;
 mod quadratic_drag;
 mod sensor_delay;
@@ -26,6 +28,8 @@ mod transport_delay;
 mod voltage_saturation;
 mod wobbling_mass;
 
+pub(crate) use own::embedded;
+pub use own::{Expression, Fault, OwnEffect};
 pub use setting::{ActuatorKind, Quantity, Setting};
 
 use crate::plant::Plant;
@@ -55,6 +59,11 @@ pub trait Effect: Debug + Send + Sync {
     /// Where the id may be narrowed down.
     fn scope(&self) -> Scope {
         Scope::One
+    }
+
+    /// The file of an effect that a user wrote, to be kept in a model file; the catalogue's have none.
+    fn definition(&self) -> Option<&toml::Table> {
+        None
     }
 
     /// Whether it makes sense in this setting at all (a pendulum's friction needs a pendulum).

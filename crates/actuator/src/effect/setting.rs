@@ -75,6 +75,20 @@ pub struct Setting {
 }
 
 impl Setting {
+    /// A unit actuator of which nothing is known: for what a card says whatever the setting.
+    pub(super) fn unknown() -> Self {
+        Self {
+            kind: ActuatorKind::Linear,
+            stiffness: 1.0,
+            total_mass: 1.0,
+            travel_per_rad: 1.0,
+            force_per_command: 1.0,
+            output_arm_m: None,
+            output_moves: false,
+            seen: Excitation::default(),
+        }
+    }
+
     /// The measured output channels.
     #[must_use]
     pub fn measured(&self) -> &[String] {

@@ -176,6 +176,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             acceleration,
             spring_is_linear,
             has_forces: !plant.rotor_forces.is_empty()
+                || !plant.output_forces.is_empty()
                 || !plant.drive_limits.is_empty()
                 || gravity.is_some()
                 || !spring_is_linear,
@@ -367,6 +368,12 @@ impl<'a, const N: usize> Stepper<'a, N> {
             let y = q[0] + 0.5 * h * from.motion.velocity[0];
             for force in &plant.rotor_forces {
                 forces[0] += force.force(y, y_dot, load, t);
+            }
+        }
+        if let Some(i) = self.link_2.filter(|_| !plant.output_forces.is_empty()) {
+            let (x, t) = (q[i] + 0.5 * h * from.motion.velocity[i], self.grid.time(n) + 0.5 * h);
+            for force in &plant.output_forces {
+                forces[i] += force.force(x, mean.velocity[i], from.force_1, t);
             }
         }
         if let Some(gravity) = &self.gravity {

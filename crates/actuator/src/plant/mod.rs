@@ -16,15 +16,19 @@
 //! output.
 
 mod command;
+mod energy;
 mod friction;
 mod integrate;
 mod linear;
+mod linearised;
 mod ports;
 mod trace;
 
 pub use command::{Grid, mean_per_step};
+pub use energy::EnergyLedger;
 pub use friction::Sliding;
 pub use linear::Coordinates;
+pub use linearised::Linearised;
 pub use ports::{
     CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, SpringForce, SpringPath,
 };
@@ -137,6 +141,8 @@ pub struct Plant {
     pub spring_forces: Vec<Box<dyn SpringForce>>,
     /// A slipping element beside the spring.
     pub spring_slip: Option<ElastoSlip>,
+    /// Smooth forces on link 2 along the axis, of its position and speed, positive where `x_2` is.
+    pub output_forces: Vec<Box<dyn RotorForce>>,
     /// Coulomb friction at the output joint, referred to the axis, N.
     pub output_friction: f64,
     /// In front of or inside the sensors.
@@ -168,6 +174,7 @@ impl Plant {
             spring_path: Vec::new(),
             spring_forces: Vec::new(),
             spring_slip: None,
+            output_forces: Vec::new(),
             output_friction: 0.0,
             sensor_stages: Vec::new(),
         }
