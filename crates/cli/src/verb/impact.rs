@@ -1,0 +1,191 @@
+//! `sealegs impact`: drops from several heights with several springs, as a table and as a gate.
+
+use super::run::{load, progress};
+use crate::failure::{LIMIT_PASSED, OrBadInput, bad_input};
+use crate::output::Destination;
+use clap::Args;
+use sealegs_leg::impact::{ImpactTable, sweep};
+use sealegs_leg::scenario::SweepSpec;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// Drop a leg from several heights with several springs; exit status 3 when a stated limit is passed.
+#[derive(Args)]
+pub struct Impact {
+    /// A shipped scenario's name (see `sealegs list`) or a TOML file.
+    scenario: String,
+    /// Drop heights, m; without it those of the scenario's [sweep].
+    #[arg(long, value_delimiter = ',', value_name = "M,M,...")]
+    heights: Vec<f64>,
+    /// Spring settings of all actuators; without it those of the scenario's [sweep].
+    #[arg(long, value_delimiter = ',', value_name = "SETTING,...")]
+    springs: Vec<String>,
+    /// Exit with status 3 if any actuator's force passes this, N.
+    #[arg(long, value_name = "N")]
+    max_force: Option<f64>,
+    /// Repeat every drop at half the step and print how much the peak forces change.
+    #[arg(long)]
+    check: bool,
+    /// Write the table as CSV, one line for each actuator of each drop (`-`: standard output).
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write the table as JSON (`-`: standard output).
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Change a key of the scenario, dotted: `base.carriage_mass_kg=30`. May be repeated.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Integration step, s.
+    #[arg(long, value_name = "SECONDS")]
+    step: Option<f64>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+///
+/// Bad input, or a drop that did not reach its end.
+pub fn run(args: &Impact) -> anyhow::Result<u8> {
+    let scenario = load(&args.scenario, &args.set, args.step)?;
+    let own = scenario.sweep.clone().unwrap_or_default();
+    let choose = |given: bool, what: &str| match given {
+        true => Ok(()),
+        false => Err(bad_input(format!("{}: no [sweep] in the scenario: give --{what}", args.scenario))),
+    };
+    choose(!args.heights.is_empty() || !own.heights_m.is_empty(), "heights")?;
+    choose(!args.springs.is_empty() || !own.springs.is_empty(), "springs")?;
+    let over = SweepSpec {
+        heights_m: if args.heights.is_empty() { own.heights_m } else { args.heights.clone() },
+        springs: if args.springs.is_empty() { own.springs } else { args.springs.clone() },
+    };
+    if let Some(limit) = args.max_force
+        && !(limit > 0.0 && limit.is_finite())
+    {
+        return Err(bad_input(format!("--max-force {limit}: must be positive and finite")));
+    }
+    let csv = Destination::optional(args.csv.as_ref())?;
+    let json = Destination::optional(args.json.as_ref())?;
+    let drops = (over.heights_m.len() * over.springs.len()) as u64;
+    let bar = progress(drops, "{elapsed} {bar:40} {pos} of {len} drops");
+    let done = || {
+        if let Some(bar) = &bar {
+            bar.inc(1);
+        }
+    };
+    let table = sweep(&scenario, &over, args.check, &done).or_bad_input()?;
+    if let Some(bar) = &bar {
+        bar.finish_and_clear();
+    }
+    let to_stdout = [&args.csv, &args.json].iter().any(|p| p.as_ref().is_some_and(|p| p.as_os_str() == "-"));
+    if let Some(csv) = csv {
+        csv.write(&csv_of(&table)?)?;
+    }
+    if let Some(json) = json {
+        json.write(format!("{}\n", serde_json::to_string_pretty(&table)?).as_bytes())?;
+    }
+    if !to_stdout {
+        std::io::stdout().write_all(text_of(&table).as_bytes())?;
+    }
+    if let Some(row) = table.rows.iter().find(|r| r.stopped.is_some()) {
+        let why = row.stopped.as_deref().unwrap_or_default();
+        anyhow::bail!("the drop from {} m with {} springs stopped: {why}", row.height_m, row.spring);
+    }
+    Ok(gate(&table, args.max_force))
+}
+
+/// The exit status that the limit asks for.
+fn gate(table: &ImpactTable, max_force_n: Option<f64>) -> u8 {
+    let Some(limit) = max_force_n else { return 0 };
+    let mut status = 0;
+    for row in &table.rows {
+        let (force, name) = row.greatest_force();
+        if force > limit {
+            status = LIMIT_PASSED;
+            eprintln!(
+                "limit passed: {name} {force:.0} N > {limit:.0} N (drop of {} m, {} springs)",
+                row.height_m, row.spring
+            );
+        }
+    }
+    status
+}
+
+fn csv_of(table: &ImpactTable) -> anyhow::Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record([
+        "height_m",
+        "spring",
+        "ground_force_n",
+        "actuator",
+        "force_1_n",
+        "force_2_n",
+        "deflection_m",
+        "stress_pa",
+        "force_margin",
+        "stress_margin",
+        "change_at_half_step",
+    ])?;
+    let or_empty = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
+    for row in &table.rows {
+        for a in &row.actuators {
+            writer.write_record([
+                row.height_m.to_string(),
+                row.spring.clone(),
+                row.ground_force_n.to_string(),
+                a.name.clone(),
+                a.force_1_n.to_string(),
+                a.force_2_n.to_string(),
+                a.deflection_m.to_string(),
+                or_empty(a.stress_pa),
+                or_empty(a.force_margin),
+                or_empty(a.stress_margin),
+                or_empty(row.change_at_half_step),
+            ])?;
+        }
+    }
+    Ok(writer.into_inner()?)
+}
+
+fn text_of(table: &ImpactTable) -> String {
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "{}: {} drops at a step of {:.0} us; margin = allowed over asked, below 1 the limit is passed",
+        table.scenario,
+        table.rows.len(),
+        1e6 * table.step_s
+    );
+    for row in &table.rows {
+        let _ = writeln!(
+            out,
+            "\n{:.3} m, {}: peak ground force {:.0} N at {:.4} s, energy unexplained {:.1e}",
+            row.height_m, row.spring, row.ground_force_n, row.ground_force_time_s, row.energy_residual
+        );
+        if let (Some(change), Some(name)) = (row.change_at_half_step, &row.changes_most) {
+            let _ =
+                writeln!(out, "  at half the step peaks change by at most {:.3} % ({name})", 100.0 * change);
+        }
+        let _ = writeln!(
+            out,
+            "  {:<14}{:>10}{:>10}{:>12}{:>10}{:>14}{:>14}",
+            "actuator", "F1 N", "F2 N", "spring mm", "beam MPa", "force margin", "stress margin"
+        );
+        for a in &row.actuators {
+            let or_dash =
+                |v: Option<f64>, digits: usize| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.digits$}"));
+            let _ = writeln!(
+                out,
+                "  {:<14}{:>10.0}{:>10.0}{:>12.3}{:>10}{:>14}{:>14}",
+                a.name,
+                a.force_1_n,
+                a.force_2_n,
+                1e3 * a.deflection_m,
+                or_dash(a.stress_pa.map(|s| 1e-6 * s), 1),
+                or_dash(a.force_margin, 2),
+                or_dash(a.stress_margin, 2)
+            );
+        }
+    }
+    out
+}

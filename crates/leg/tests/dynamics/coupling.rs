@@ -1,0 +1,101 @@
+//! The coupling of actuators and links against the independent reference.
+
+use crate::reference::{Instant, Reference};
+use sealegs_leg::robot::Robot;
+use sealegs_leg::scenario::Scenario;
+use sealegs_leg::simulation::{Observer, Sample};
+use sealegs_leg::{LegError, run_robot};
+
+/// Forces and motion every millisecond.
+#[derive(Default)]
+struct Seen(Vec<Instant>);
+
+impl Observer for Seen {
+    fn sample(&mut self, s: &Sample) -> Result<(), LegError> {
+        self.0.push(Instant {
+            force_1: s.actuators.iter().map(|a| a.force_1_n).collect(),
+            force_2: s.actuators.iter().map(|a| a.force_2_n).collect(),
+            ground: s.ground.normal_force_n,
+            q: s.joint_angles_rad.clone(),
+        });
+        Ok(())
+    }
+}
+
+/// Greatest differences: forces as a ratio of the greatest actuator force, angles in rad, ground peak.
+#[derive(Debug)]
+struct Error {
+    forces: f64,
+    angles: f64,
+    ground_peak: f64,
+}
+
+fn compare(truth: &[Instant], seen: &[Instant]) -> Error {
+    assert_eq!(truth.len(), seen.len());
+    let peak = |f: &dyn Fn(&Instant) -> f64, all: &[Instant]| all.iter().map(f).fold(0.0, f64::max);
+    let strongest =
+        peak(&|i| i.force_1.iter().chain(&i.force_2).fold(0.0, |m: f64, f| m.max(f.abs())), truth);
+    let mut error = Error { forces: 0.0, angles: 0.0, ground_peak: 0.0 };
+    for (t, s) in truth.iter().zip(seen) {
+        let pairs = t.force_1.iter().zip(&s.force_1).chain(t.force_2.iter().zip(&s.force_2));
+        for (a, b) in pairs {
+            error.forces = error.forces.max((a - b).abs() / strongest);
+        }
+        for (a, b) in t.q.iter().zip(&s.q) {
+            error.angles = error.angles.max((a - b).abs());
+        }
+    }
+    let ground = peak(&|i| i.ground, truth);
+    if ground > 0.0 {
+        error.ground_peak = (peak(&|i| i.ground, seen) / ground - 1.0).abs();
+    }
+    error
+}
+
+/// The errors at 200, 100 and 50 us against the reference at `fine_s`.
+fn errors(text: &str, currents: [f64; 6], fine_s: f64) -> [Error; 3] {
+    let robot = || Robot::load("thor-leg", None).expect("embedded");
+    let scenario = Scenario::from_toml(text, "test", &[]).expect("good");
+    let (reference, start) = Reference::new(&scenario, robot(), currents.to_vec());
+    let every = (1e-3 / fine_s).round() as usize;
+    let mut truth = Vec::new();
+    let steps = (scenario.duration_s / fine_s).round() as usize;
+    reference.run(start, fine_s, steps, |step, instant| {
+        if step % every == 0 {
+            truth.push(instant.clone());
+        }
+    });
+    [2e-4, 1e-4, 5e-5].map(|step_s| {
+        let mut seen = Seen::default();
+        let scenario = Scenario { step_s, ..scenario.clone() };
+        run_robot(&scenario, robot(), &mut seen).expect("runs");
+        compare(&truth, &seen.0)
+    })
+}
+
+#[test]
+fn reference_forces_and_motion_in_free_swing() {
+    // Hip fixed, springs unloaded at the start and currents switched on: every mode is excited.
+    let text = "robot = 'thor-leg'\nduration_s = 0.3\n[base]\nkind = 'fixed'\nheight_m = 2.0\n\
+                [start]\nposture_rad = { hip_pitch = -0.5, knee = 0.9, ankle_pitch = 0.1 }\n\
+                [current.knee]\nshape = 'step'\namplitude = 4.0\n[current.hip_front]\nshape = 'step'\namplitude = -3.0\n\
+                [current.ankle_inner]\nshape = 'step'\namplitude = 2.0\n";
+    // Order of the placement file: hip front, hip back, hip pitch, knee, ankle outer, ankle inner.
+    let found = errors(text, [-3.0, 0.0, 0.0, 4.0, 0.0, 2.0], 2e-5);
+    println!("free swing: {found:?}");
+    assert!(found[1].forces < 2e-3 && found[1].angles < 1e-4, "{found:?}");
+    // At least first order: halving the step halves the error (a little slack for what is not asymptotic).
+    assert!(found[0].forces > 1.8 * found[1].forces && found[1].forces > 1.8 * found[2].forces, "{found:?}");
+}
+
+#[test]
+fn reference_forces_and_motion_through_an_impact() {
+    let text = "robot = 'thor-leg'\nduration_s = 0.16\n[base]\nkind = 'rail'\ncarriage_mass_kg = 20.0\n\
+                [start]\ndrop_height_m = 0.05\n\
+                posture_rad = { hip_pitch = -0.45, knee = 0.9, ankle_pitch = -0.45 }\n[ground]\n\
+                [current.knee]\nshape = 'step'\namplitude = 5.0\n";
+    let found = errors(text, [0.0, 0.0, 0.0, 5.0, 0.0, 0.0], 2.5e-6);
+    println!("impact: {found:?}");
+    assert!(found[1].forces < 1e-3 && found[1].ground_peak < 2e-3, "{found:?}");
+    assert!(found[0].forces > 1.8 * found[1].forces, "{found:?}");
+}

@@ -1,0 +1,50 @@
+//! The shipped scenarios: they run to their end, add up, and converge.
+
+use sealegs_leg::run;
+use sealegs_leg::scenario::{Scenario, preset_names};
+use sealegs_leg::simulation::EventKind;
+
+#[test]
+fn energy_and_peaks_of_every_preset_converge() {
+    for name in preset_names() {
+        let at = |step: &str| {
+            let scenario = Scenario::load(name, &[format!("step_s={step}")]).expect("good");
+            run(&scenario, &mut ()).expect("runs")
+        };
+        let (coarse, fine) = (at("1e-4"), at("5e-5"));
+        assert_eq!((&coarse.stopped, &fine.stopped), (&None, &None), "{name}");
+        println!("{name}: energy {:e} {:e}", coarse.worst_energy_residual, fine.worst_energy_residual);
+        assert!(coarse.worst_energy_residual < 2e-3, "{name}: {}", coarse.worst_energy_residual);
+        let forces = |r: &sealegs_leg::RunResult| -> Vec<f64> {
+            let actuators = r.peaks.actuators.iter().flat_map(|a| [a.force_1_n.value, a.force_2_n.value]);
+            std::iter::once(r.peaks.ground_force_n.value).chain(actuators).map(f64::abs).collect()
+        };
+        let (a, b) = (forces(&coarse), forces(&fine));
+        let greatest = a.iter().copied().fold(0.0, f64::max);
+        for (a, b) in a.iter().zip(&b) {
+            assert!((a - b).abs() < 0.01 * b.max(0.1 * greatest), "{name}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn a_drop_touches_down_when_it_must_and_says_what_it_overloads() {
+    let scenario = Scenario::load("thor-drop", &[]).expect("good");
+    let result = run(&scenario, &mut ()).expect("runs");
+    let first = |kind: EventKind| result.events.iter().find(|e| e.kind == kind).expect("happens");
+    // Free fall from 0.1 m.
+    let fall = (2.0 * 0.1 / 9.81_f64).sqrt();
+    assert!((first(EventKind::TouchDown).time_s - fall).abs() < 2e-4);
+    assert!(first(EventKind::RatedForce).time_s > fall);
+    assert_eq!(first(EventKind::RatedForce).subject, "knee");
+    assert!(result.events.windows(2).all(|w| w[0].time_s <= w[1].time_s));
+}
+
+#[test]
+fn nothing_happens_in_free_fall() {
+    let set = ["duration_s=0.13", "controller.kind=free"].map(str::to_owned);
+    let result = run(&Scenario::load("thor-drop", &set).expect("good"), &mut ()).expect("runs");
+    for a in &result.peaks.actuators {
+        assert!(a.force_1_n.value.abs() < 1e-6 && a.force_2_n.value.abs() < 1e-6, "{a:?}");
+    }
+}

@@ -1,0 +1,9 @@
+//! Tests of the leg in motion, by topic.
+
+mod coupling;
+mod drop;
+mod fault;
+mod pendulum;
+mod reference;
+mod repeat;
+mod stance;
