@@ -4,6 +4,7 @@
 //! Exit status: 0 done, 2 bad input, 3 a limit stated on the command line was passed, 1 anything else.
 
 pub mod failure;
+pub mod leg_scene;
 pub mod output;
 pub mod verb;
 
