@@ -93,33 +93,28 @@ fn chapter(id: &str) -> u32 {
 fn rows<'a>(of: impl Iterator<Item = &'a Row>) -> Table {
     let mut table = Table::new()
         .words("Row")
-        .words("Where")
-        .words("Quantity")
+        .words("Quantity, and why")
         .words("Published")
         .numbers("Ours", "")
-        .words("Unit")
         .numbers("Deviation", "")
-        .words("Verdict")
-        .words("Why");
+        .words("Verdict");
     for row in of {
-        let cells = [
-            row.id.clone(),
-            row.reference.clone(),
-            row.quantity.clone(),
+        let why = if row.why.is_empty() { String::new() } else { format!(" — {}", row.why) };
+        table.row([
+            format!("{} ({})", row.id, row.reference),
+            format!("{}{why}", row.quantity),
             row.published.clone(),
-            row.ours.map(number).unwrap_or_default(),
-            if row.unit == "-" { String::new() } else { row.unit.clone() },
+            row.ours.map(|v| with_unit(v, &row.unit)).unwrap_or_default(),
             deviation(row),
             row.verdict.label().to_owned(),
-            row.why.clone(),
-        ];
-        if row.verdict == Verdict::Miss {
-            table.strong_row(cells);
-        } else {
-            table.row(cells);
-        }
+        ]);
     }
     table
+}
+
+/// A number with its unit, none for a ratio.
+fn with_unit(value: f64, unit: &str) -> String {
+    if unit == "-" { number(value) } else { format!("{} {unit}", number(value)) }
 }
 
 fn statements(r: &Reproduction) -> Table {
@@ -169,11 +164,10 @@ fn explanations(r: &Reproduction) -> Table {
 }
 
 fn table_8(r: &Reproduction) -> Table {
-    let mut table = Table::new().words(HEADS[0]);
-    for head in &HEADS[1..HEADS.len() - 1] {
-        table = table.numbers(head, "");
+    let mut table = Table::new().words(HEADS[0].0);
+    for (name, unit) in &HEADS[1..] {
+        table = table.numbers(name, unit);
     }
-    table = table.words(HEADS[HEADS.len() - 1]);
     for (name, p) in ["soft SBN", "soft SMH", "stiff SBN", "stiff SMH"].into_iter().zip(&r.table_8) {
         table.row(cells(name, p));
     }

@@ -219,19 +219,19 @@ pub fn sentences(spec: &ActuatorSpec, answer: &Answer) -> Vec<String> {
     lines
 }
 
-/// Heads of the table of performances.
-pub const HEADS: [&str; 11] = [
-    "configuration",
-    "k [kN/m]",
-    "sprung [kg]",
-    "natural [Hz]",
-    "plant -3 dB [Hz]",
-    "force source to [Hz]",
-    "increase [decades]",
-    "bound 4-52 [Hz]",
-    "simulated -3 dB [Hz]",
-    "usable to [Hz]",
-    "limited by",
+/// Heads of the table of performances, with units.
+pub const HEADS: [(&str, &str); 11] = [
+    ("configuration", ""),
+    ("k", "kN/m"),
+    ("sprung", "kg"),
+    ("natural", "Hz"),
+    ("-3 dB", "Hz"),
+    ("force source", "Hz"),
+    ("increase", "decades"),
+    ("bound", "Hz"),
+    ("simulated", "Hz"),
+    ("usable", "Hz"),
+    ("limit", ""),
 ];
 
 /// One line of the table of performances.
@@ -248,7 +248,11 @@ pub fn cells(name: &str, p: &Performance) -> Vec<String> {
         format!("{:.2}{}", p.bound_hz, if p.bound_holds { "" } else { " (fails)" }),
         p.simulated_hz.map_or_else(|| "none".to_owned(), |f| format!("{f:.2}")),
         format!("{:.2}", p.usable_hz),
-        limit_name(p.limited_by).to_owned(),
+        match p.limited_by {
+            Criterion::PureForceSource => "force source",
+            Criterion::ControlledBandwidth => "current",
+        }
+        .to_owned(),
     ]
 }
 
@@ -267,9 +271,15 @@ pub fn performances(answer: &Answer) -> Vec<Vec<String>> {
     rows
 }
 
-/// Heads of the table of drops.
-pub const DROP_HEADS: [&str; 6] =
-    ["spring", "height [m]", "ground peak [N]", "actuator peak [N]", "which", "rated/peak"];
+/// Heads of the table of drops, with units.
+pub const DROP_HEADS: [(&str, &str); 6] = [
+    ("spring", ""),
+    ("height", "m"),
+    ("ground peak", "N"),
+    ("actuator peak", "N"),
+    ("which", ""),
+    ("rated/peak", ""),
+];
 
 /// Lines of the drops.
 #[must_use]
@@ -300,7 +310,7 @@ fn text(spec: &ActuatorSpec, answer: &Answer) -> String {
     }
     out.push('\n');
     out.push_str(&aligned(&HEADS, &performances(answer)));
-    out.push_str("(Table 8 as it should be: the print sorts its omega_max row and calls the -3 dB frequency natural.)\n");
+    out.push_str("-3 dB: the plant's own; force source: up to where both ends feel the same force (eq 4-37); bound: eq 4-52. Table 8 as it\nshould be: the print sorts its omega_max row and calls the -3 dB frequency natural.\n");
     if let Some(drops) = &answer.drops {
         out.push_str(&format!(
             "\nWhat it costs at impact ({}, estimates of ground and rail as in that scenario):\n",
@@ -312,7 +322,11 @@ fn text(spec: &ActuatorSpec, answer: &Answer) -> String {
 }
 
 /// Columns in line: the first to the left, the others to the right.
-fn aligned(heads: &[&str], rows: &[Vec<String>]) -> String {
+fn aligned(heads: &[(&str, &str)], rows: &[Vec<String>]) -> String {
+    let heads: Vec<String> = heads
+        .iter()
+        .map(|(name, unit)| if unit.is_empty() { (*name).to_owned() } else { format!("{name} [{unit}]") })
+        .collect();
     let width = |i: usize| {
         rows.iter().map(|r| r[i].chars().count()).chain([heads[i].chars().count()]).max().unwrap_or(0)
     };
@@ -328,7 +342,7 @@ fn aligned(heads: &[&str], rows: &[Vec<String>]) -> String {
             .collect();
         format!("{}\n", padded.join("  ").trim_end())
     };
-    let mut out = line(heads.to_vec());
+    let mut out = line(heads.iter().map(String::as_str).collect());
     for row in rows {
         out.push_str(&line(row.iter().map(String::as_str).collect()));
     }
