@@ -18,7 +18,8 @@ pub struct EffectCard {
     pub validity: String,
     /// Where the law comes from.
     pub reference: String,
-    /// Its parameters with guesses that suit the excitation seen.
+    /// Its parameters with guesses that suit the excitation seen. A parameter called `phase_rad` says that the
+    /// effect is periodic: a negative amplitude is the same as a positive one half a turn on.
     pub parameters: Vec<Parameter>,
     /// Whether it can only take mechanical energy out or store it.
     pub passive: bool,

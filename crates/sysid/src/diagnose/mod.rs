@@ -8,19 +8,22 @@
 
 mod candidate;
 mod compare;
+mod excitations;
+mod experiment;
 mod screen;
 mod search;
 mod verdict;
 
 pub use candidate::{Candidate, Validation, values_by_name, with_effects};
 pub use compare::clearly_better;
-pub use screen::{Promise, screen};
+pub use experiment::{Experiment, Limits, next_experiment};
+pub use screen::{Promise, race_periodic, screen};
 pub use search::Found;
 pub use verdict::{Judged, Verdict, VerdictKind};
 
 use crate::data::Data;
 use crate::fit::FitOptions;
-use crate::{Campaign, Error, Role, fit};
+use crate::{Campaign, Error, Role, fit, stats};
 use sealegs_model::{Excitation, Model};
 
 /// How thorough a diagnosis is.
@@ -44,8 +47,8 @@ pub struct Options {
     pub beam_first: usize,
     /// Sets that further sizes grow from.
     pub beam: usize,
-    /// Noise floor in noise units; what repeats of a run leave between them, if that is more than 1.
-    pub floor: f64,
+    /// Noise floor in noise units in place of the campaign's own (see [`noise_floor`]).
+    pub floor: Option<f64>,
 }
 
 impl Default for Options {
@@ -60,7 +63,7 @@ impl Default for Options {
             finishers: 5,
             beam_first: 4,
             beam: 2,
-            floor: 1.0,
+            floor: None,
         }
     }
 }
@@ -99,6 +102,18 @@ pub struct Diagnosis {
     pub simulated_s: f64,
 }
 
+/// The noise floor of a campaign in noise units: what repeats of a run leave between them where there are
+/// any, and not less than 1, the stated noise.
+#[must_use]
+pub fn noise_floor(campaign: &Campaign) -> f64 {
+    let squares: Vec<f64> = campaign
+        .repeats
+        .iter()
+        .filter_map(|pair| Some((pair.deviation / campaign.noise_std(&pair.channel)?.std).powi(2)))
+        .collect();
+    if squares.is_empty() { 1.0 } else { stats::mean(&squares).sqrt().max(1.0) }
+}
+
 /// Diagnoses a campaign with a base model.
 ///
 /// # Errors
@@ -116,6 +131,7 @@ pub fn diagnose(
     let base_fit = fit::fit(&data, base, &FitOptions::default())?;
     let seen = data.excitation(&base_fit.evaluation.predictions);
     let admitted: Vec<String> = base.effects(&seen).into_iter().map(|c| c.id).collect();
+    let floor = options.floor.unwrap_or_else(|| noise_floor(campaign));
     let first = Candidate::of_base(base, base_fit);
     let search = search::Search {
         data: &data,
@@ -123,14 +139,14 @@ pub fn diagnose(
         seen: &seen,
         admitted,
         options,
-        floor: options.floor,
+        floor,
         tried: vec![first],
         screened: Vec::new(),
         progress,
     };
     let found = search.run();
     progress(Progress::Judging);
-    let verdict = verdict::judge(&holdout, &found, options.floor)?;
+    let verdict = verdict::judge(&holdout, &found, floor)?;
     let (a, b) = (data.work(), holdout.work());
     Ok(Diagnosis { verdict, found, seen, simulations: a.0 + b.0, simulated_s: a.1 + b.1 })
 }

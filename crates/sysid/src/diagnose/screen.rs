@@ -7,7 +7,7 @@
 
 use super::Candidate;
 use crate::data::Data;
-use crate::fit::Signatures;
+use crate::fit::{Difference, FitOptions, Signatures, fit};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Prediction, Scale};
 
@@ -16,6 +16,9 @@ const TOGETHER: usize = 8;
 
 /// How far an amplitude is trusted beyond the value that was simulated.
 const FARTHEST: f64 = 3.0;
+
+/// The parameter that makes an effect periodic; see [`EffectCard::parameters`].
+const PHASE: &str = "phase_rad";
 
 /// What screening found of one effect.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,7 +70,8 @@ pub fn screen(
             if stiffness <= 0.0 || !stiffness.is_finite() {
                 continue;
             }
-            let both_ways = cards[*c].parameters.iter().any(|p| is_amplitude(p) && p.min < 0.0);
+            let both_ways =
+                cards[*c].parameters.iter().any(|p| (is_amplitude(p) && p.min < 0.0) || p.name == PHASE);
             let least = if both_ways { -FARTHEST } else { 0.0 };
             let amplitude = if cards[*c].parameters.iter().any(is_amplitude) {
                 (-slope / stiffness).clamp(least, FARTHEST)
@@ -106,10 +110,16 @@ fn is_amplitude(p: &Parameter) -> bool {
 /// A start moved along its amplitude, but not so close to nothing that a search would not leave it.
 fn scaled(parameters: &[Parameter], start: &[f64], amplitude: f64) -> Vec<f64> {
     let factor = if amplitude.abs() < 0.2 { 0.2_f64.copysign(amplitude) } else { amplitude };
+    let periodic = parameters.iter().any(|p| p.name == PHASE);
     parameters
         .iter()
         .zip(start)
-        .map(|(p, v)| if is_amplitude(p) { (v * factor).clamp(p.min, p.max) } else { *v })
+        .map(|(p, v)| match () {
+            () if is_amplitude(p) && periodic => (v * factor.abs()).clamp(p.min, p.max),
+            () if is_amplitude(p) => (v * factor).clamp(p.min, p.max),
+            () if p.name == PHASE && factor < 0.0 => v - std::f64::consts::PI,
+            () => *v,
+        })
         .collect()
 }
 
@@ -132,6 +142,56 @@ fn combinations(parameters: &[Parameter], most: usize) -> Vec<Vec<f64>> {
         return (0..most).map(|i| all[(i as f64 * step) as usize].clone()).collect();
     }
     all
+}
+
+/// Steps that every start of a periodic effect gets.
+const RACE_STEPS: usize = 2;
+
+/// A second opinion on a periodic effect, whose promise at a wrong amplitude says little where the rotor sticks
+/// and slips: every period is fitted for a few steps with all else held, and the starts are ranked by that.
+pub fn race_periodic(data: &Data, beside: &Candidate, seen: &Excitation, promise: Promise) -> Promise {
+    let is_phase = |name: &str| name.strip_prefix(&format!("{}.", promise.effect)) == Some(PHASE);
+    let Some((_, first)) = promise.starts.first() else { return promise };
+    if !first.iter().any(|(name, _)| is_phase(name)) {
+        return promise;
+    }
+    let Ok(model) = beside.model.with_effect(&promise.effect, seen) else { return promise };
+    // The amplitudes differ by what screening made of them, the phases are found by the fit: of each period
+    // the more promising start goes on.
+    let period = |start: &[(String, f64)]| -> Vec<u64> {
+        start[1..].iter().filter(|(name, _)| !is_phase(name)).map(|(_, v)| v.to_bits()).collect()
+    };
+    let mut entered: Vec<&(f64, Vec<(String, f64)>)> = Vec::new();
+    for start in &promise.starts {
+        if entered.iter().all(|e| period(&e.1) != period(&start.1)) {
+            entered.push(start);
+        }
+    }
+    let mut raced: Vec<(f64, Vec<(String, f64)>)> = entered
+        .par_iter()
+        .map(|(drop, start)| {
+            let mut values = beside.fit.values.clone();
+            values.extend(start.iter().map(|(_, v)| *v));
+            let options = FitOptions {
+                start: Some(values),
+                starts: 1,
+                max_steps: RACE_STEPS,
+                difference: Difference::Forward,
+                only: Some(format!("{}.", promise.effect)),
+                ..FitOptions::default()
+            };
+            match fit(data, model.as_ref(), &options) {
+                Ok(fit) => {
+                    let reached = fit.values[beside.fit.values.len()..].iter();
+                    let start = start.iter().zip(reached).map(|((n, _), v)| (n.clone(), *v)).collect();
+                    (beside.fit.cost - fit.cost, start)
+                }
+                Err(_) => (*drop, start.clone()),
+            }
+        })
+        .collect();
+    raced.sort_by(|a, b| b.0.total_cmp(&a.0));
+    Promise { drop: raced[0].0.max(promise.drop), starts: raced, ..promise }
 }
 
 /// The effects that a candidate could still be given.

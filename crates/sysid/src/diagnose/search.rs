@@ -2,9 +2,10 @@
 //! few at every size are fitted, members leave again, and rivals of each member are tried.
 
 use super::compare::{clearly_better, gain};
-use super::screen::{Promise, addable, screen};
+use super::screen::{Promise, addable, race_periodic, screen};
 use super::{Candidate, Options, Progress};
 use crate::data::Data;
+use crate::fit::{FitOptions, fit};
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model};
 
@@ -100,7 +101,7 @@ impl Search<'_> {
         }
         let (chosen, tied) = self.ties(best);
         let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
-        self.tried[chosen] = settled;
+        self.tried[chosen] = self.polished(settled);
         Found { tried: self.tried, chosen, tied, promises }
     }
 
@@ -118,7 +119,13 @@ impl Search<'_> {
         (self.progress)(Progress::Screening { beside: beside.effects.clone() });
         let cards = addable(beside.model.as_ref(), self.seen, &self.admitted);
         let most = if size == 1 { self.options.starts } else { self.options.starts_later };
-        let promises = screen(self.data, beside, self.seen, &cards, most);
+        let mut promises = screen(self.data, beside, self.seen, &cards, most);
+        if self.screened.iter().all(|(i, _)| self.tried[*i].effects.len() < self.tried[from].effects.len())
+            && !self.at_floor(from)
+        {
+            let race = |p| race_periodic(self.data, beside, self.seen, p);
+            promises = promises.into_iter().map(race).collect();
+        }
         self.screened.push((from, promises.clone()));
         promises
     }
@@ -224,6 +231,16 @@ impl Search<'_> {
         }
         let least = all.iter().map(|c| c.fit.cost).fold(f64::INFINITY, f64::min);
         all.into_iter().find(|c| c.fit.cost <= least + equal).unwrap_or(candidate)
+    }
+
+    /// The candidate fitted to the end, with derivatives good enough for standard errors.
+    fn polished(&self, candidate: Candidate) -> Candidate {
+        let options =
+            FitOptions { start: Some(candidate.fit.values.clone()), starts: 1, ..FitOptions::default() };
+        match fit(self.data, candidate.model.as_ref(), &options) {
+            Ok(fit) if fit.cost <= candidate.fit.cost => Candidate { fit, ..candidate },
+            _ => candidate,
+        }
     }
 
     /// A candidate whose fit has converged, if it can.

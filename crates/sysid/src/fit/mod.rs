@@ -46,6 +46,8 @@ pub struct FitOptions {
     pub tolerance: f64,
     /// Derivatives at the solution, for standard errors.
     pub difference: Difference,
+    /// Only parameters whose name begins so are free; all others keep the start's values.
+    pub only: Option<String>,
 }
 
 impl Default for FitOptions {
@@ -57,6 +59,7 @@ impl Default for FitOptions {
             max_steps: 40,
             tolerance: 1e-3,
             difference: Difference::Central,
+            only: None,
         }
     }
 }
@@ -212,7 +215,11 @@ pub fn choices(model: &dyn Model) -> Vec<Vec<f64>> {
 
 fn fit_from(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit, Error> {
     let before = data.work();
-    let coordinates = Coordinates::new(model.parameters());
+    let mut parameters = model.parameters().to_vec();
+    if let Some(only) = &options.only {
+        parameters.iter_mut().for_each(|p| p.fixed |= !p.name.starts_with(only.as_str()));
+    }
+    let coordinates = Coordinates::new(&parameters);
     let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
     let mut first = options.start.clone().unwrap_or_else(|| nominal.clone());
     first.resize(nominal.len(), 0.0);
