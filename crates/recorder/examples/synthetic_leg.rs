@@ -151,7 +151,6 @@ fn scene() -> Scene {
                 .into(),
             markdown: false,
         }],
-        ..Scene::default()
     }
 }
 
@@ -217,7 +216,7 @@ fn scalars(scene: &Scene, t: f64, ground_n: f64) -> Vec<f64> {
             let value = match group.unit.as_str() {
                 "N" => size * force(m + 2, t, ground_n),
                 _ => {
-                    size * ((3.14 + 0.2 * m as f64) * t + 0.7 * m as f64).sin()
+                    size * ((3.1 + 0.2 * m as f64) * t + 0.7 * m as f64).sin()
                         + 0.01 * size * (200.0 * t).sin()
                 }
             };

@@ -111,6 +111,9 @@ fn uuid(id: u64) -> String {
     format!("{}-{}-{}-{}-{}", &hex[0..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..32])
 }
 
+/// A part of a container: its share of the room, or the name of its tab.
+type Child<'p> = (Option<f32>, Option<&'p str>, &'p Part);
+
 struct Writer<'a> {
     blueprint: &'a RecordingStream,
     containers: u64,
@@ -124,7 +127,7 @@ impl Writer<'_> {
 
     /// Writes a part, which as a container takes the name that its tab gives it.
     fn part(&mut self, part: &Part, name: Option<&str>) -> Result<Placed, RecorderError> {
-        let (kind, parts): (_, Vec<(Option<f32>, Option<&str>, &Part)>) = match part {
+        let (kind, parts): (_, Vec<Child<'_>>) = match part {
             Part::View(view) => return self.view(view).map(Placed::View),
             Part::Row(parts) => {
                 (ContainerKind::Horizontal, parts.iter().map(|(s, p)| (Some(*s), None, p)).collect())
