@@ -228,7 +228,9 @@ fn reference_effects_together() {
         &[("load-dependent-friction", &[0.05]), ("spring-hysteresis", &[1e5, 40.0])],
     ];
     for effects in together {
-        check(effects[0].0, &Case::thor(pendulum(), effects), 5e-5, 1.2);
+        // A damper that play brings into contact jumps: a sample may fall on either side of the jump.
+        let gain = if effects[0].0 == "backlash" { 0.5 } else { 1.2 };
+        check(effects[0].0, &Case::thor(pendulum(), effects), 5e-5, gain);
     }
     // Play before 0.8 kg on 655 kN/m rattles undamped at 140 Hz, 80 steps a cycle: second order, but from far.
     let rattle = Case::thor(pendulum(), &[("backlash", &[1e-4]), ("series-compliance", &[3e6])]);

@@ -30,11 +30,14 @@ enum Operation {
     Divide,
     Power,
     Negate,
-    Call(fn(f64) -> f64),
-    Join(fn(f64, f64) -> f64),
+    Call(Function),
+    Join(Joining),
 }
 
-const FUNCTIONS: [(&str, fn(f64) -> f64); 11] = [
+type Function = fn(f64) -> f64;
+type Joining = fn(f64, f64) -> f64;
+
+const FUNCTIONS: [(&str, Function); 11] = [
     ("tanh", f64::tanh),
     ("exp", f64::exp),
     ("ln", f64::ln),
@@ -48,7 +51,7 @@ const FUNCTIONS: [(&str, fn(f64) -> f64); 11] = [
     ("square", |x| x * x),
 ];
 
-const JOINING: [(&str, fn(f64, f64) -> f64); 2] = [("min", f64::min), ("max", f64::max)];
+const JOINING: [(&str, Joining); 2] = [("min", f64::min), ("max", f64::max)];
 
 /// Names that a variable or parameter cannot have.
 pub fn is_reserved(name: &str) -> bool {
@@ -122,7 +125,8 @@ impl Expression {
         let mut stack = [0.0; MOST_STACK];
         let mut top: usize = 0;
         for (operation, &character) in self.program.iter().zip(&self.places) {
-            let divides_by_zero = matches!(operation, Operation::Divide) && stack[top.saturating_sub(1)] == 0.0;
+            let divides_by_zero =
+                matches!(operation, Operation::Divide) && stack[top.saturating_sub(1)] == 0.0;
             step(operation, variables, &mut stack, &mut top);
             if divides_by_zero {
                 return Err(Fault { character, message: "division by zero".to_owned() });
@@ -321,8 +325,7 @@ impl Parser<'_> {
 
     fn named(&mut self, name: &str, start: usize) -> Result<(), Fault> {
         let character = start + 1;
-        let find = |table: &[(&str, fn(f64) -> f64)]| table.iter().find(|(n, _)| *n == name).map(|(_, f)| *f);
-        let function = find(&FUNCTIONS);
+        let function = FUNCTIONS.iter().find(|(n, _)| *n == name).map(|(_, f)| *f);
         let joining = JOINING.iter().find(|(n, _)| *n == name).map(|(_, f)| *f);
         if function.is_some() || joining.is_some() {
             if !self.next_is('(') {

@@ -26,6 +26,7 @@
 //! catalogue's dry friction does: `tanh(y_dot/v0)` with a small `v0` creeps but is well behaved.
 
 mod expression;
+mod laws;
 
 pub use expression::{Expression, Fault};
 
@@ -37,8 +38,9 @@ use serde::Deserialize;
 use super::setting::Setting;
 use super::{CATALOGUE, Effect};
 use crate::ActuatorError;
-use crate::plant::{DriveLimit, Link, Plant, RotorForce, SpringForce};
+use crate::plant::{Link, Plant};
 use crate::text::{line_of, parse_toml};
+use laws::{BesideSpring, InDrive, OnOutput, OnRotor};
 use sealegs_model::{EffectCard, Parameter};
 
 /// Most parameters of one law.
@@ -415,57 +417,6 @@ pub(crate) fn embedded(
         }
     }
     Ok(own)
-}
-
-#[derive(Debug)]
-struct OnRotor {
-    law: Expression,
-    per_travel: f64,
-}
-
-impl RotorForce for OnRotor {
-    fn force(&self, y: f64, y_dot: f64, load: f64, t: f64) -> f64 {
-        -self.law.value(&[y, y_dot, y * self.per_travel, y_dot * self.per_travel, load, t])
-    }
-}
-
-#[derive(Debug)]
-struct InDrive {
-    law: Expression,
-    per_travel: f64,
-    force_per_command: f64,
-}
-
-impl DriveLimit for InDrive {
-    fn limit(&self, commanded: f64, y_dot: f64) -> f64 {
-        let u = commanded / self.force_per_command;
-        self.force_per_command * self.law.value(&[u, commanded, y_dot, y_dot * self.per_travel])
-    }
-}
-
-#[derive(Debug)]
-struct BesideSpring {
-    law: Expression,
-    stiffness: f64,
-}
-
-impl SpringForce for BesideSpring {
-    fn force(&self, delta: f64, delta_dot: f64) -> f64 {
-        self.law.value(&[delta, delta_dot, self.stiffness * delta])
-    }
-}
-
-#[derive(Debug)]
-struct OnOutput {
-    law: Expression,
-    arm: f64,
-}
-
-impl RotorForce for OnOutput {
-    /// Along the axis; `y` and `y_dot` are link 2's.
-    fn force(&self, y: f64, y_dot: f64, _load: f64, t: f64) -> f64 {
-        -self.law.value(&[y / self.arm, y_dot / self.arm, y, y_dot, t]) / self.arm
-    }
 }
 
 #[cfg(test)]

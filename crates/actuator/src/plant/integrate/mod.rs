@@ -3,12 +3,15 @@
 //!
 //! A linear plant under a command that is held is integrated exactly at any step. Smooth nonlinear forces are
 //! taken at the mean position and speed of the step, predicted with what they did in the step before: the scheme
-//! is of second order and needs each of them once. Friction switches within the step (see [`Sliding`]). The
+//! is of second order and needs each of them once. Friction switches within the step (see [`super::Sliding`]). The
 //! step's matrices are constant, so that a step is two small matrix products.
+
+mod rub;
 
 use super::friction::Held;
 use super::linear::{LinearPart, MOST, Propagator, Row};
-use super::{GRAVITY_M_S2, Grid, Link, Plant, Sliding, Trace, WobblingMass};
+use super::{GRAVITY_M_S2, Grid, Link, Plant, Trace, WobblingMass};
+use rub::Friction;
 use sealegs_model::ModelError;
 
 pub(super) fn simulate(plant: &Plant, grid: Grid, commands: &[f64]) -> Result<Trace, ModelError> {
@@ -27,6 +30,8 @@ pub(super) struct Stepper<'a, const N: usize> {
     plant: &'a Plant,
     grid: Grid,
     propagator: Propagator<N>,
+    /// One over the step, 1/s.
+    per_step: f64,
     deflection: [f64; N],
     link_1: Option<usize>,
     link_2: Option<usize>,
@@ -36,8 +41,10 @@ pub(super) struct Stepper<'a, const N: usize> {
     acceleration: Acceleration<N>,
     sprung: Sprung<N>,
     spring_is_linear: bool,
-    /// Whether there is any force beside the linear part, the held command and friction.
+    /// Whether there is any force beside the linear part, the held command and friction; and whether any of them
+    /// needs the mean motion of the step.
     has_forces: bool,
+    needs_mean: bool,
     has_friction: bool,
     has_rotor_friction: bool,
     /// Whether the bound of the rotor's friction changes with speed, and with load.
@@ -62,7 +69,8 @@ struct Gravity {
     coordinate: usize,
     /// All weights times their distance from the joint over the lever's arm, N.
     force: f64,
-    arm: f64,
+    /// One over the lever's arm, 1/m.
+    per_arm: f64,
     wobbling: Option<(usize, WobblingMass)>,
 }
 
@@ -72,6 +80,8 @@ pub(super) struct Motion<const N: usize> {
     pub position: [f64; N],
     pub velocity: [f64; N],
 }
+
+const THIRD: f64 = 1.0 / 3.0;
 
 /// Everything that the plant remembers at a point of the grid.
 #[derive(Clone, Copy)]
@@ -93,17 +103,6 @@ pub(super) struct State<const N: usize> {
     pub spring_slip: f64,
 }
 
-/// Dry friction over one step.
-#[derive(Clone, Copy, Default)]
-struct Friction {
-    /// Of the rotor, without and with the elastic element, N.
-    dry: f64,
-    elastic: f64,
-    on_output: f64,
-    rotor: Held,
-    output: Held,
-}
-
 #[inline(always)]
 pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     let mut sum = 0.0;
@@ -121,8 +120,8 @@ fn sine_deficit(angle: f64) -> f64 {
         return angle - angle.sin();
     }
     // Five terms: the sixth is below the rounding of the first.
-    let term = |of: f64, next: f64| square / of * (1.0 - next);
-    angle * term(6.0, term(20.0, term(42.0, term(72.0, term(110.0, 0.0)))))
+    const PARTS: [f64; 5] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0];
+    angle * PARTS.iter().rev().fold(0.0, |next, part| square * part * (1.0 - next))
 }
 
 impl<'a, const N: usize> Stepper<'a, N> {
@@ -153,16 +152,27 @@ impl<'a, const N: usize> Stepper<'a, N> {
             (Link::Pendulum { gravity_torque_nm, arm_m, .. }, Some(coordinate)) => {
                 let wobbling = at.wobbling.zip(plant.wobbling);
                 let more = wobbling.map_or(0.0, |(_, w)| w.mass * GRAVITY_M_S2 * w.radius);
-                Some(Gravity { coordinate, force: (gravity_torque_nm + more) / arm_m, arm: arm_m, wobbling })
+                Some(Gravity {
+                    coordinate,
+                    force: (gravity_torque_nm + more) / arm_m,
+                    per_arm: 1.0 / arm_m,
+                    wobbling,
+                })
             }
             _ => None,
         };
         let spring_is_linear = plant.spring_is_linear();
+        let needs_mean = !plant.rotor_forces.is_empty()
+            || !plant.output_forces.is_empty()
+            || !plant.drive_limits.is_empty()
+            || !spring_is_linear
+            || at.wobbling.is_some();
         let has_rotor_friction = !plant.rotor_friction.is_empty();
         Ok(Self {
             plant,
             grid,
             propagator,
+            per_step: 1.0 / grid.step_s,
             deflection: cut(&linear.deflection),
             link_1: at.link_1,
             link_2: at.link_2,
@@ -175,11 +185,8 @@ impl<'a, const N: usize> Stepper<'a, N> {
             },
             acceleration,
             spring_is_linear,
-            has_forces: !plant.rotor_forces.is_empty()
-                || !plant.output_forces.is_empty()
-                || !plant.drive_limits.is_empty()
-                || gravity.is_some()
-                || !spring_is_linear,
+            has_forces: needs_mean || gravity.is_some(),
+            needs_mean,
             gravity,
             has_friction: has_rotor_friction
                 || plant.rotor_presliding.is_some()
@@ -268,7 +275,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             friction = self.rub(from, &free, &plain);
             self.apply(from, &friction, &mut next);
         }
-        if self.has_forces || self.bound_feels.1 {
+        if self.needs_mean || self.bound_feels.1 {
             for i in 0..N {
                 next.beside.position[i] = next.motion.position[i] - plain.position[i];
                 next.beside.velocity[i] = next.motion.velocity[i] - plain.velocity[i];
@@ -299,38 +306,6 @@ impl<'a, const N: usize> Stepper<'a, N> {
         next
     }
 
-    /// Adds the dry friction at the end of a step, which a measured force shows, to the other forces there.
-    #[inline(always)]
-    fn rub_at_end(&self, from: &State<N>, next: &State<N>, friction: &Friction, forces: &mut [f64; N]) {
-        let (plant, v) = (self.plant, &next.motion.velocity);
-        let mut dry = friction.dry;
-        if self.has_rotor_friction && v[0] * from.motion.velocity[0] < 0.0 {
-            let direction = v[0].signum();
-            let load = self.load(from, &next.motion);
-            dry = -direction * plant.rotor_friction_bound(v[0], direction, load);
-        }
-        forces[0] += dry - next.presliding;
-        let output = self.link_2.filter(|_| plant.output_friction > 0.0);
-        if let Some(i) = output {
-            let reversed = v[i] * from.motion.velocity[i] < 0.0;
-            forces[i] += if reversed { -v[i].signum() * plant.output_friction } else { friction.on_output };
-        }
-        // What is held has no acceleration.
-        let mut hold = |i: usize| {
-            let a = &self.acceleration;
-            let gained = dot(&a.by_position[i], &next.motion.position)
-                + dot(&a.by_velocity[i], v)
-                + dot(&a.by_force[i], forces);
-            forces[i] -= gained / a.by_force[i][i];
-        };
-        if friction.rotor == Held::Yes {
-            hold(0);
-        }
-        if let Some(i) = output.filter(|_| friction.output == Held::Yes) {
-            hold(i);
-        }
-    }
-
     /// Mean forces over the step on every coordinate, N, without the linear part, the commanded force and dry
     /// friction; and the spring's departure from its linear law in them. The motor force that the drive leaves
     /// goes into `next`.
@@ -338,14 +313,30 @@ impl<'a, const N: usize> Stepper<'a, N> {
     fn forces(&self, from: &State<N>, plain: &Motion<N>, n: usize, next: &mut State<N>) -> ([f64; N], f64) {
         let (h, plant) = (self.grid.step_s, self.plant);
         let q = &from.motion.position;
+        let mut forces = [0.0; N];
+        if let Some(gravity) = &self.gravity {
+            let i = gravity.coordinate;
+            let angle = (q[i] + 0.5 * h * from.motion.velocity[i]) * gravity.per_arm;
+            forces[i] += gravity.force * sine_deficit(angle);
+            if let Some((j, w)) = gravity.wobbling {
+                // Of the potential m g w sin(angle), whose linear part m g w angle the matrices have.
+                let weight = w.mass * GRAVITY_M_S2;
+                let displacement = q[j] + 0.5 * h * from.motion.velocity[j];
+                forces[j] += weight * sine_deficit(angle);
+                forces[i] += weight * displacement * (1.0 - angle.cos()) * gravity.per_arm;
+            }
+        }
+        if !self.needs_mean {
+            return (forces, 0.0);
+        }
+        let per_step = self.per_step;
         let mut mean = from.motion;
         for i in 0..N {
             let travel = plain.position[i] + from.beside.position[i] - q[i];
             // Of the parabola through position and speed at the start and the position at the end.
-            mean.position[i] = q[i] + travel / 3.0 + h / 6.0 * from.motion.velocity[i];
-            mean.velocity[i] = travel / h;
+            mean.position[i] = q[i] + THIRD * (travel + 0.5 * h * from.motion.velocity[i]);
+            mean.velocity[i] = travel * per_step;
         }
-        let mut forces = [0.0; N];
         let y_dot = mean.velocity[0];
         if !plant.drive_limits.is_empty() {
             let limited = plant.limited_force(next.motor, y_dot);
@@ -376,23 +367,13 @@ impl<'a, const N: usize> Stepper<'a, N> {
                 forces[i] += force.force(x, mean.velocity[i], from.force_1, t);
             }
         }
-        if let Some(gravity) = &self.gravity {
-            let angle = mean.position[gravity.coordinate] / gravity.arm;
-            forces[gravity.coordinate] += gravity.force * sine_deficit(angle);
-            if let Some((i, w)) = gravity.wobbling {
-                // Of the potential m g w sin(angle), whose linear part m g w angle the matrices have.
-                let weight = w.mass * GRAVITY_M_S2;
-                forces[i] += weight * sine_deficit(angle);
-                forces[gravity.coordinate] += weight * mean.position[i] * (1.0 - angle.cos()) / gravity.arm;
-            }
-        }
         (forces, departure)
     }
 
     /// Mean force of the spring over the step beyond its linear law, N, positive in compression.
     #[inline(always)]
     fn departure(&self, from: &State<N>, mean: &Motion<N>) -> f64 {
-        let (h, plant) = (self.grid.step_s, self.plant);
+        let (h, per_step, plant) = (self.grid.step_s, self.per_step, self.plant);
         let delta = dot(&self.deflection, &mean.position);
         let rate = dot(&self.deflection, &mean.velocity);
         let mut departure = plant.spring_force_beside(delta, rate);
@@ -400,101 +381,12 @@ impl<'a, const N: usize> Stepper<'a, N> {
             // The damper works in contact only: over a step that makes or breaks it, in proportion.
             let start = dot(&self.deflection, &from.motion.position);
             let in_contact = plant.spring_left(start + h * rate) - plant.spring_left(start);
-            departure += plant.spring_damping * (in_contact / h - rate);
+            departure += plant.spring_damping * (in_contact * per_step - rate);
         }
         if let Some(element) = plant.spring_slip {
             departure += element.advance(from.spring_slip, 0.5 * h * rate);
         }
         departure
-    }
-
-    /// Dry friction over the step, on the motion `free` without it.
-    #[inline(always)]
-    fn rub(&self, from: &State<N>, free: &Motion<N>, plain: &Motion<N>) -> Friction {
-        let plant = self.plant;
-        let (q, v) = (&from.motion.position, &from.motion.velocity);
-        let (to_position, to_velocity) = &self.propagator.by_force;
-        let output = self.link_2.filter(|_| plant.output_friction > 0.0);
-        let presliding = plant.rotor_presliding;
-        let kinds = usize::from(self.has_rotor_friction)
-            + usize::from(output.is_some())
-            + usize::from(presliding.is_some());
-        let mut load = if self.bound_feels.1 { self.load(from, &plain.plus(&from.beside)) } else { 0.0 };
-        let mut friction = Friction { dry: from.dry, ..Friction::default() };
-        // Each friction shifts the motion that the others see, and the load that a bound feels: they are found
-        // in turn. The coupling is weak but for the lumped model.
-        let sweeps = if kinds > 1 {
-            MOST_SWEEPS
-        } else if self.bound_feels.1 {
-            3
-        } else {
-            1
-        };
-        for sweep in 0..sweeps {
-            let before = friction;
-            if let Some(element) = presliding {
-                // The element's mean force, linear in the travel over the step.
-                let others = free.position[0] - q[0]
-                    + if sweep > 0 { to_position[0][0] * friction.dry } else { 0.0 }
-                    + output.map_or(0.0, |i| to_position[0][i] * friction.on_output);
-                let half = 0.5 * element.stiffness;
-                friction.elastic = -((from.presliding + half * others) / (1.0 + half * to_position[0][0]))
-                    .clamp(-element.bound, element.bound);
-            }
-            if self.has_rotor_friction {
-                let others = to_velocity[0][0] * friction.elastic
-                    + output.map_or(0.0, |i| to_velocity[0][i] * friction.on_output);
-                let sliding = Sliding {
-                    before: v[0],
-                    after_free: free.velocity[0] + others,
-                    mobility: to_velocity[0][0],
-                };
-                let bound = |speed, direction| plant.rotor_friction_bound(speed, direction, load);
-                (friction.dry, friction.rotor) = if self.bound_feels.0 {
-                    sliding.resolve(friction.dry.abs(), bound)
-                } else {
-                    sliding.resolve_constant(bound)
-                };
-            }
-            if let Some(i) = output {
-                let sliding = Sliding {
-                    before: v[i],
-                    after_free: free.velocity[i] + to_velocity[i][0] * (friction.dry + friction.elastic),
-                    mobility: to_velocity[i][i],
-                };
-                (friction.on_output, friction.output) =
-                    sliding.resolve_constant(|_, _| plant.output_friction);
-            }
-            if sweeps > 1 {
-                if self.bound_feels.1 {
-                    let mut after = *free;
-                    self.push(&mut after, 0, friction.dry + friction.elastic);
-                    if let Some(i) = output {
-                        self.push(&mut after, i, friction.on_output);
-                    }
-                    load = self.load(from, &after);
-                }
-                if sweep > 0 && friction.settled_since(&before) {
-                    break;
-                }
-            }
-        }
-        friction
-    }
-
-    /// Mean force in the screw over a step that ends with the motion `after`, N.
-    #[inline(always)]
-    fn load(&self, from: &State<N>, after: &Motion<N>) -> f64 {
-        let (h, plant) = (self.grid.step_s, self.plant);
-        let start = dot(&self.deflection, &from.motion.position);
-        let travel = dot(&self.deflection, &after.position) - start;
-        let delta = start + travel / 3.0 + h / 6.0 * dot(&self.deflection, &from.motion.velocity);
-        let mut spring = plant.spring_force(delta, travel / h);
-        if let Some(element) = plant.spring_slip {
-            spring += element.advance(from.spring_slip, 0.5 * travel);
-        }
-        let gained = dot(&self.sprung.row, &after.velocity) - dot(&self.sprung.row, &from.motion.velocity);
-        spring - plant.sprung_mass * gained / h
     }
 
     /// Adds what a force on one coordinate does over a step, N.
@@ -503,23 +395,6 @@ impl<'a, const N: usize> Stepper<'a, N> {
         for j in 0..N {
             motion.position[j] += self.propagator.by_force.0[j][coordinate] * force;
             motion.velocity[j] += self.propagator.by_force.1[j][coordinate] * force;
-        }
-    }
-
-    /// Puts the friction that was found into the motion. Sticking is exact: what is held has no speed, and has
-    /// not moved if it was at rest before.
-    #[inline(always)]
-    fn apply(&self, from: &State<N>, friction: &Friction, next: &mut State<N>) {
-        self.push(&mut next.motion, 0, friction.dry + friction.elastic);
-        if let Some(i) = self.link_2.filter(|_| self.plant.output_friction > 0.0) {
-            self.push(&mut next.motion, i, friction.on_output);
-            next.motion.hold(i, friction.output, &from.motion);
-        }
-        next.motion.hold(0, friction.rotor, &from.motion);
-        next.dry = friction.dry;
-        if let Some(element) = self.plant.rotor_presliding {
-            let travel = next.motion.position[0] - from.motion.position[0];
-            next.presliding = element.advance(from.presliding, travel);
         }
     }
 
@@ -545,18 +420,6 @@ impl<'a, const N: usize> Stepper<'a, N> {
         if let Some(i) = self.link_1 {
             trace.link_1_position.push(q[i]);
         }
-    }
-}
-
-/// Sweeps over several frictions at once; the lumped model on a light link needs the most.
-const MOST_SWEEPS: usize = 200;
-
-impl Friction {
-    fn settled_since(&self, before: &Self) -> bool {
-        let close = |a: f64, b: f64| (a - b).abs() <= 1e-13 * (a.abs() + b.abs());
-        close(self.dry, before.dry)
-            && close(self.elastic, before.elastic)
-            && close(self.on_output, before.on_output)
     }
 }
 
