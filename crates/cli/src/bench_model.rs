@@ -3,9 +3,11 @@
 use crate::failure::{OrBadInput, bad_input};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
+use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_model::Model;
 use sealegs_sysid::{Campaign, campaign};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The nominal model of a campaign's bench and actuator, or of the actuator file `model` on that bench.
 ///
@@ -15,6 +17,19 @@ use std::path::Path;
 ///
 /// Bad input: an unknown actuator, a file with an error in it, a bench that needs another kind of actuator.
 pub fn of_campaign(campaign: &mut Campaign, model: Option<&Path>) -> anyhow::Result<BenchModel> {
+    with_own_effects(campaign, model, &[])
+}
+
+/// As [`of_campaign`], with the user's own effects in these files beside the catalogue's.
+///
+/// # Errors
+///
+/// As [`of_campaign`], and for an effect file with an error in it.
+pub fn with_own_effects(
+    campaign: &mut Campaign,
+    model: Option<&Path>,
+    own: &[PathBuf],
+) -> anyhow::Result<BenchModel> {
     let bench = match campaign.bench {
         campaign::Bench::Locked => Bench::Locked,
         campaign::Bench::Pendulum => Bench::Pendulum(PendulumRig::default()),
@@ -34,7 +49,11 @@ pub fn of_campaign(campaign: &mut Campaign, model: Option<&Path>) -> anyhow::Res
     for (channel, sensor) in &spec.sensors {
         campaign.state_sensor(channel, sensor.gain_std, sensor.bias_std);
     }
-    let model = BenchModel::new(spec, bench).or_bad_input()?;
+    let own = own
+        .iter()
+        .map(|path| OwnEffect::load(path).map(|effect| Arc::new(effect) as Arc<dyn Effect>).or_bad_input())
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let model = BenchModel::with_own_effects(spec, bench, own).or_bad_input()?;
     campaign.check_against(&model as &dyn Model).or_bad_input()?;
     Ok(model)
 }

@@ -1,9 +1,9 @@
 //! Where a model fails on a campaign: what `sealegs compare` computes, apart from how it is shown.
 
-mod page;
+pub(crate) mod page;
 mod record;
 mod summary;
-mod text;
+pub(crate) mod text;
 
 pub use page::of as page;
 pub use record::of as recording;
@@ -87,7 +87,7 @@ pub fn compare<'a>(
                     gain_std: 0.0,
                     gain_at_limit: false,
                     bias: known.and_then(|s| s.bias).unwrap_or(0.0),
-                    bias_spread: 0.0,
+                    bias_spread: known.and_then(|s| s.bias_spread).unwrap_or(0.0),
                     run_bias: Vec::new(),
                     prior_cost: 0.0,
                 }
@@ -145,11 +145,14 @@ impl Compared<'_> {
     }
 }
 
-/// A measured response against the model's: where they are coherent, the greatest difference in magnitude.
+/// A measured response against the model's: where they are coherent and differ by more than three standard
+/// errors of the estimate, the greatest difference in magnitude, dB, after its frequency, Hz.
 #[must_use]
 pub fn worst_of_response(response: &ChannelResponse) -> Option<(f64, f64)> {
     let (m, p) = (&response.measured, &response.predicted);
+    let error = m.relative_error();
     (0..m.frequency_hz.len().min(p.value.len()))
+        .filter(|&i| (m.value[i] - p.value[i]).norm() > 3.0 * error[i] * m.value[i].norm())
         .filter(|&i| m.coherence[i] > 0.8 && m.frequency_hz[i] > 0.0 && p.value[i].norm() > 0.0)
         .map(|i| (m.frequency_hz[i], 20.0 * (m.value[i].norm() / p.value[i].norm()).log10()))
         .filter(|(_, db)| db.is_finite())

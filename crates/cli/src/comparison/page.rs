@@ -54,7 +54,7 @@ pub fn of(compared: &Compared, command: &str, provenance: &Provenance) -> String
     page.to_html()
 }
 
-fn place(page: &mut Report, compared: &Compared) {
+pub(crate) fn place(page: &mut Report, compared: &Compared) {
     page.section("Where it sits");
     let worst = compared.location.worst(5);
     if worst.is_empty() {
@@ -90,7 +90,7 @@ fn place(page: &mut Report, compared: &Compared) {
     });
 }
 
-fn depends(page: &mut Report, compared: &Compared) {
+pub(crate) fn depends(page: &mut Report, compared: &Compared) {
     page.section("What it depends on");
     let mut table = Table::new()
         .words("residual against")

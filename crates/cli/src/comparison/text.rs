@@ -116,6 +116,6 @@ pub fn of(compared: &Compared, took: Duration) -> String {
 }
 
 /// A channel's unit as printed.
-pub(super) fn unit(channel: &str) -> &'static str {
+pub(crate) fn unit(channel: &str) -> &'static str {
     Unit::of_channel(channel).map_or("", Unit::symbol)
 }

@@ -34,8 +34,12 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
         let _ = writeln!(o, "\n  {:<widest$}  {:>9}  {:>12}", "ranking", "held-out", "evidence");
         for ranked in outcome.ranking.iter().take(ROWS) {
             let name = ranked.effects.join(" + ");
-            let _ =
-                writeln!(o, "  {name:<widest$}  {:>9.3}  {:>12.1}", ranked.holdout_error, ranked.evidence);
+            let _ = writeln!(
+                o,
+                "  {name:<widest$}  {:>9.3}  {:>12}",
+                ranked.holdout_error,
+                evidence(ranked.evidence)
+            );
         }
         let _ = writeln!(
             o,
@@ -65,6 +69,12 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     out
 }
 
+/// Evidence with no more digits than mean something.
+#[must_use]
+pub fn evidence(value: f64) -> String {
+    if value.abs() < 1e4 { format!("{value:.1}") } else { format!("{value:.3e}") }
+}
+
 /// One line a parameter, fixed ones left out.
 #[must_use]
 pub fn parameter_lines(parameters: &[ParameterValue]) -> String {
@@ -90,7 +100,7 @@ pub fn parameter_lines(parameters: &[ParameterValue]) -> String {
 }
 
 /// So many digits of a value that its uncertainty shows in the last two.
-fn digits_for(value: f64, std: f64) -> usize {
+pub(super) fn digits_for(value: f64, std: f64) -> usize {
     if value == 0.0 || std <= 0.0 {
         return 4;
     }

@@ -1,19 +1,21 @@
 //! `sealegs diagnose`: which physical effect is missing.
 
-use crate::bench_model;
 use crate::diagnosis::outcome::Outcome;
 use crate::diagnosis::provenance::Provenance;
-use crate::diagnosis::{floor, progress, text};
+use crate::diagnosis::story::{Sides, Story};
+use crate::diagnosis::{page, plan, progress, text};
 use crate::failure::OrBadInput;
 use crate::output::Destination;
+use crate::{bench_model, comparison};
 use clap::Args;
 use sealegs_model::Model;
+use sealegs_recorder::recording::Output;
 use sealegs_sysid::{Campaign, Role, diagnose};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Find the physical effect that the model lacks, or say that none is missing or none is known.
+/// Find the physical effect that the model lacks, or say that none is missing or none is known
 #[derive(Args)]
 pub struct Diagnose {
     /// The campaign's folder, or its campaign.toml
@@ -21,9 +23,21 @@ pub struct Diagnose {
     /// An actuator file in place of the campaign's own actuator
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
+    /// An effect of your own, as a file with an expression; may be repeated
+    #[arg(long, value_name = "OWN.toml")]
+    effect: Vec<PathBuf>,
     /// Write the result as JSON (`-` for standard output)
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
+    /// Write a report as one HTML file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Write measured, before, after and residuals as a recording
+    #[arg(long, value_name = "FILE.rrd")]
+    rrd: Option<PathBuf>,
+    /// Write the next experiment as a file that can be played
+    #[arg(long, value_name = "FILE.csv")]
+    plan: Option<PathBuf>,
 }
 
 /// Runs the verb.
@@ -35,25 +49,59 @@ pub struct Diagnose {
 pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let started = Instant::now();
     let mut campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
-    let model = bench_model::of_campaign(&mut campaign, arguments.model.as_deref())?;
+    let model = bench_model::with_own_effects(&mut campaign, arguments.model.as_deref(), &arguments.effect)?;
     campaign.require(Role::Fit).or_bad_input()?;
     campaign.require(Role::Holdout).or_bad_input()?;
     let json = Destination::optional(arguments.json.as_ref())?;
+    let report = Destination::optional(arguments.report.as_ref())?;
+    let rrd = Destination::optional(arguments.rrd.as_ref())?;
+    let plan_file = Destination::optional(arguments.plan.as_ref())?;
 
-    let options = diagnose::Options { floor: floor(&campaign, &model), ..Default::default() };
     let bar = progress::spinner();
-    let diagnosis =
-        diagnose::diagnose(&campaign, &model, &options, &|p| bar.set_message(progress::message(&p)));
+    let done = diagnose::diagnose(&campaign, &model, &diagnose::Options::default(), &|p| {
+        bar.set_message(progress::message(&p));
+    });
+    bar.set_message("planning the next experiment");
+    let planned = done.and_then(|d| {
+        let limits = plan::limits(model.spec(), &campaign);
+        diagnose::next_experiment(&campaign, &d, limits).map(|e| (d, e))
+    });
     bar.finish_and_clear();
-    let diagnosis = diagnosis?;
+    let (diagnosis, experiment) = planned?;
 
-    let others: Vec<&Path> = arguments.model.iter().map(PathBuf::as_path).collect();
+    let others: Vec<&Path> = arguments.model.iter().chain(&arguments.effect).map(PathBuf::as_path).collect();
     let provenance = Provenance::of_campaign(&campaign, model.name(), &others)?;
-    let outcome = Outcome::new(&campaign, &diagnosis, String::new(), provenance);
+    let next = match &experiment {
+        Some(e) => e.sentence.clone(),
+        None => "There is nothing to tell apart, and so no experiment to propose.".to_owned(),
+    };
+    let outcome = Outcome::new(&campaign, &diagnosis, next, provenance);
+    if report.is_some() || rrd.is_some() {
+        let command = std::env::args().collect::<Vec<_>>().join(" ");
+        let sides = Sides::of(&diagnosis);
+        let story = Story::new(&campaign, &outcome, &sides, experiment.as_ref(), command)?;
+        if let Some(destination) = report {
+            destination.write(page(&story).as_bytes())?;
+        }
+        if let Some(destination) = rrd {
+            let recording = comparison::recording(
+                &story.compared,
+                format!("{}\n\n{}", outcome.sentence, outcome.next_experiment),
+            );
+            if let Some(part) = destination.part() {
+                recording.write(&Output::File(part.to_owned()))?;
+            }
+            destination.finish()?;
+        }
+    }
+    if let (Some(destination), Some(experiment)) = (plan_file, &experiment) {
+        destination.write(plan::csv(experiment).as_bytes())?;
+    }
     if let Some(destination) = json {
         destination.write((serde_json::to_string_pretty(&outcome)? + "\n").as_bytes())?;
     }
-    if arguments.json.as_deref() != Some(Path::new("-")) {
+    let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
+    if ![&arguments.json, &arguments.plan, &arguments.report].into_iter().any(to_stdout) {
         write!(std::io::stdout().lock(), "{}", text::of(&outcome, started.elapsed()))?;
     }
     Ok(0)

@@ -1,0 +1,296 @@
+//! Adding effects to a model: the joint fit from several starts, and the model file that follows.
+
+use super::outcome::{ParameterValue, Side, parameters, sensors};
+use super::provenance::Provenance;
+use crate::failure::{OrBadInput, bad_input};
+use sealegs_actuator::ActuatorSpec;
+use sealegs_actuator::bench::BenchModel;
+use sealegs_model::{EffectCard, Excitation, Model, ModelError};
+use sealegs_sysid::diagnose::{Candidate, Promise, screen, with_effects};
+use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, fit};
+use serde::Serialize;
+
+/// Starting values of an effect that are simulated before any is fitted.
+const STARTS: usize = 200;
+
+/// The most promising ones, which are fitted.
+const FITTED: usize = 3;
+
+/// Most steps of a fit before it is finished.
+const STEPS: usize = 20;
+
+/// A model before and after effects were added to it, both fitted.
+pub struct Added {
+    /// The effects, in the order in which they were asked for.
+    pub effects: Vec<String>,
+    /// Without them.
+    pub before: Candidate,
+    /// With them.
+    pub after: Candidate,
+    /// What the fit runs measured and how hard they drove the model.
+    pub seen: Excitation,
+    /// Without them on the holdout runs, if there are any.
+    pub before_holdout: Option<Evaluation>,
+    /// With them.
+    pub after_holdout: Option<Evaluation>,
+    /// Simulations done, and the seconds of experiment that they covered.
+    pub work: (u64, f64),
+}
+
+/// The result as `--json` writes it; `base` and `after` are those of `diagnose`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    /// The campaign's name.
+    pub campaign: String,
+    /// The effects.
+    pub effects: Vec<String>,
+    /// 1, or what repeats of runs leave between them, noise units.
+    pub noise_floor: f64,
+    /// Without them.
+    pub base: SideOfAdd,
+    /// With them.
+    pub after: SideOfAdd,
+    /// Where the numbers come from.
+    pub provenance: Provenance,
+}
+
+/// A model with its errors; without holdout runs there is no error on them.
+#[derive(Debug, Clone, Serialize)]
+pub struct SideOfAdd {
+    /// Root mean square residual of the fit runs, in noise units.
+    pub fit_error: f64,
+    /// The same of the holdout runs.
+    pub holdout_error: Option<f64>,
+    /// Its parameters.
+    pub parameters: Vec<ParameterValue>,
+}
+
+impl SideOfAdd {
+    fn of(candidate: &Candidate, holdout: Option<&Evaluation>) -> Self {
+        Self {
+            fit_error: candidate.fit.error(),
+            holdout_error: holdout.map(|h| h.rms),
+            parameters: parameters(&candidate.fit),
+        }
+    }
+}
+
+impl Added {
+    /// The result in a few numbers.
+    #[must_use]
+    pub fn summary(&self, campaign: &Campaign, provenance: Provenance) -> Summary {
+        Summary {
+            campaign: campaign.name.clone(),
+            effects: self.effects.clone(),
+            noise_floor: sealegs_sysid::diagnose::noise_floor(campaign),
+            base: SideOfAdd::of(&self.before, self.before_holdout.as_ref()),
+            after: SideOfAdd::of(&self.after, self.after_holdout.as_ref()),
+            provenance,
+        }
+    }
+
+    /// One side as reports show it; where there is no holdout run the fit runs stand in.
+    #[must_use]
+    pub fn side(candidate: &Candidate, holdout: Option<&Evaluation>) -> Side {
+        Side {
+            holdout_error: holdout.map_or(candidate.fit.error(), |h| h.rms),
+            fit_error: candidate.fit.error(),
+            parameters: parameters(&candidate.fit),
+            sensors: sensors(&candidate.fit),
+        }
+    }
+}
+
+/// Fits a model, adds effects, and fits everything together.
+///
+/// # Errors
+///
+/// Bad input for an unknown effect, with the nearest name; otherwise if nothing can be simulated.
+pub fn add(
+    campaign: &Campaign,
+    model: &BenchModel,
+    effects: &[String],
+    tell: &dyn Fn(String),
+) -> anyhow::Result<Added> {
+    let data = Data::new(campaign, Some(Role::Fit), model).or_bad_input()?;
+    tell("refitting the model as it is".to_owned());
+    let base_fit = fit::fit(&data, model, &FitOptions::default())?;
+    let seen = data.excitation(&base_fit.evaluation.predictions);
+    check(model, effects, &seen)?;
+    let before = Candidate::of_base(model, base_fit);
+    let mut after: Option<Candidate> = None;
+    // What an effect shows may depend on another one being there already.
+    let backwards: Vec<String> = effects.iter().rev().cloned().collect();
+    let orders = if effects.len() > 1 { vec![effects.to_vec(), backwards] } else { vec![effects.to_vec()] };
+    for order in orders {
+        let grown = grow(&data, model, &before, &order, &seen, tell)?;
+        if after.as_ref().is_none_or(|a| grown.fit.cost < a.fit.cost) {
+            after = Some(grown);
+        }
+    }
+    let after = after.ok_or_else(|| bad_input("no effect was named"))?;
+    tell("fitting everything together".to_owned());
+    let after = finished(&data, model, effects, &seen, after)?;
+    let mut work = data.work();
+    let (mut before_holdout, mut after_holdout) = (None, None);
+    if campaign.runs_of(Role::Holdout).next().is_some() {
+        let holdout = Data::new(campaign, Some(Role::Holdout), model).or_bad_input()?;
+        let judge = |c: &Candidate| holdout.judge(c.model.as_ref(), &c.fit.values, c.fit.sensors());
+        before_holdout = Some(judge(&before)?);
+        after_holdout = Some(judge(&after)?);
+        let more = holdout.work();
+        work = (work.0 + more.0, work.1 + more.1);
+    }
+    Ok(Added { effects: effects.to_vec(), seen, before, after, before_holdout, after_holdout, work })
+}
+
+/// Whether the model can have all of these effects.
+fn check(model: &BenchModel, effects: &[String], seen: &Excitation) -> anyhow::Result<()> {
+    let mut with: Box<dyn Model> = model.clone_box();
+    for effect in effects {
+        if with.included().contains(effect) {
+            return Err(bad_input(format!("{} includes '{effect}' already", model.name())));
+        }
+        with = with.with_effect(effect, seen).map_err(|e| match e {
+            ModelError::UnknownEffect { .. } => {
+                let known: Vec<String> = with.effects(seen).into_iter().map(|c| c.id).collect();
+                bad_input(format!("{e} (it can have {})", known.join(", ")))
+            }
+            other => bad_input(other),
+        })?;
+    }
+    Ok(())
+}
+
+/// Adds one effect after the other, each from its most promising starting values.
+fn grow(
+    data: &Data,
+    model: &BenchModel,
+    before: &Candidate,
+    order: &[String],
+    seen: &Excitation,
+    tell: &dyn Fn(String),
+) -> anyhow::Result<Candidate> {
+    let mut grown = before.clone();
+    for effect in order {
+        tell(format!("trying starting values of {effect}"));
+        let cards: Vec<EffectCard> =
+            grown.model.effects(seen).into_iter().filter(|c| c.id == *effect).collect();
+        let promises: Vec<Promise> = screen(data, &grown, seen, &cards, STARTS);
+        let mut set = grown.effects.clone();
+        set.push(effect.clone());
+        let mut best: Option<Candidate> = None;
+        for (_, start) in promises.iter().flat_map(|p| p.starts.iter().take(FITTED)) {
+            let mut known = grown.known();
+            known.extend(start.iter().cloned());
+            let Ok(fitted) = Candidate::fitted(data, model, &set, seen, &known, STEPS) else { continue };
+            if best.as_ref().is_none_or(|b| fitted.fit.cost < b.fit.cost) {
+                best = Some(fitted);
+            }
+        }
+        grown = match best {
+            Some(best) => best,
+            // Nothing was promised: the effect's own guess is as good as any.
+            None => Candidate::fitted(data, model, &set, seen, &grown.known(), STEPS)?,
+        };
+    }
+    Ok(grown)
+}
+
+/// The candidate with its effects in the order asked for, fitted to the end, every discrete choice of the
+/// base model tried again.
+fn finished(
+    data: &Data,
+    base: &BenchModel,
+    effects: &[String],
+    seen: &Excitation,
+    candidate: Candidate,
+) -> anyhow::Result<Candidate> {
+    let model = with_effects(base, effects, seen)?;
+    let known = candidate.known();
+    let mut best: Option<Fit> = None;
+    for choice in fit::choices(base) {
+        let start: Vec<f64> = model
+            .parameters()
+            .iter()
+            .enumerate()
+            .map(|(i, p)| {
+                let discrete = p.fixed && !p.starts.is_empty() && i < choice.len();
+                let fitted = known.iter().find(|(name, _)| *name == p.name).map_or(p.value, |(_, v)| *v);
+                if discrete { choice[i] } else { fitted }
+            })
+            .collect();
+        let options = FitOptions { start: Some(start), starts: 1, ..FitOptions::default() };
+        let fitted = fit::fit(data, model.as_ref(), &options)?;
+        if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
+            best = Some(fitted);
+        }
+    }
+    let fit = best.ok_or_else(|| bad_input("no effect was named"))?;
+    Ok(Candidate { effects: effects.to_vec(), model, fit, validation: candidate.validation })
+}
+
+/// The model file with the effects and the fitted values.
+///
+/// # Errors
+///
+/// If the file would not load again.
+pub fn better(
+    model: &BenchModel,
+    added: &Added,
+    campaign: &Campaign,
+    provenance: &[(&str, String)],
+) -> anyhow::Result<ActuatorSpec> {
+    let mut spec = model.spec().clone();
+    let fit = &added.after.fit;
+    for (p, known) in fit.parameters.iter().zip(added.after.model.parameters()) {
+        if p.name.contains('.') {
+            continue;
+        }
+        let discrete = p.fixed && !known.starts.is_empty();
+        if (p.fixed && !discrete) || (discrete && p.value == p.nominal) {
+            continue;
+        }
+        let said = spec.parameters.entry(p.name.clone()).or_default();
+        said.value = Some(p.value);
+        if !discrete {
+            said.std = Some(p.std).filter(|s| *s > 0.0 && s.is_finite());
+            if p.name != "clock_skew" {
+                said.min = Some(known.min.min(p.value));
+                said.max = Some(known.max.max(p.value));
+            }
+        }
+    }
+    let mut with_them = model.clone();
+    for effect in &added.effects {
+        with_them = with_them.including(effect, &added.seen)?;
+    }
+    let stds: Vec<f64> = fit.parameters.iter().map(|p| p.std).collect();
+    spec.effects = with_them.effect_specs(&fit.values, &stds);
+    for sensor in fit.sensors() {
+        let said = spec.sensors.entry(sensor.channel.clone()).or_default();
+        said.gain = Some(sensor.gain);
+        said.bias = Some(sensor.bias);
+        said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
+    }
+    let mut note = |key: &str, value: String| {
+        spec.provenance.insert(key.to_owned(), value);
+    };
+    note("effects_added", added.effects.join(", "));
+    note("fitted_to", campaign.name.clone());
+    note("error_on_fit_runs", errors(added.before.fit.error(), fit.error()));
+    if let (Some(b), Some(a)) = (&added.before_holdout, &added.after_holdout) {
+        note("error_on_holdout_runs", errors(b.rms, a.rms));
+    }
+    for (key, value) in provenance {
+        note(key, value.clone());
+    }
+    // Whoever gets the file must be able to load it.
+    let text = spec.to_toml();
+    ActuatorSpec::from_toml(&text, "the model file to be written")?;
+    Ok(spec)
+}
+
+fn errors(before: f64, after: f64) -> String {
+    format!("{before:.4} before, {after:.4} after, in noise units")
+}

@@ -1,0 +1,37 @@
+//! The next experiment as a file that a rig can play, and the limits that it keeps to.
+
+use sealegs_actuator::ActuatorSpec;
+use sealegs_sysid::Campaign;
+use sealegs_sysid::diagnose::{Experiment, Limits};
+use std::fmt::Write as _;
+
+/// What the actuator file says the rig bears, in the unit of the campaign's input.
+#[must_use]
+pub fn limits(spec: &ActuatorSpec, campaign: &Campaign) -> Limits {
+    let input = campaign.runs.first().and_then(|r| r.record.inputs.first()).map(|s| s.channel.as_str());
+    let peak = spec.ratings.peak(spec.kind);
+    let input = match input {
+        Some("current_a") => {
+            let by_force = peak.map(|p| p / spec.coefficients().force_constant);
+            [spec.motor.current_limit_a, by_force].into_iter().flatten().reduce(f64::min)
+        }
+        _ => peak,
+    };
+    Limits { input }
+}
+
+/// The experiment as CSV: `time_s` and the input column, one row a sample.
+#[must_use]
+pub fn csv(experiment: &Experiment) -> String {
+    let mut out = format!("time_s,{}\n", experiment.input);
+    for (t, v) in experiment.time_s.iter().zip(&experiment.values) {
+        // Nanoseconds and nine significant digits: what any player resolves.
+        let _ = writeln!(out, "{},{}", (t * 1e9).round() / 1e9, rounded(*v));
+    }
+    out
+}
+
+fn rounded(value: f64) -> f64 {
+    // Adding zero takes the sign off a negative zero.
+    format!("{value:.8e}").parse::<f64>().map_or(value, |v| v + 0.0)
+}
