@@ -139,7 +139,7 @@ impl Scenario {
         }
         if let Some(g) = &self.ground {
             finite("ground.height_m".to_owned(), g.height_m)?;
-            if !(g.slope_rad.abs() < 1.2) {
+            if g.slope_rad.is_nan() || g.slope_rad.abs() >= 1.2 {
                 return bad("ground.slope_rad".to_owned(), g.slope_rad, "between -1.2 and 1.2");
             }
             not_negative("ground.friction", g.friction)?;
