@@ -21,6 +21,12 @@ pub(super) struct Search {
     difference: Difference,
 }
 
+/// Above this error, in noise units, the model is wrong and its residual remembers: samples are then worth far
+/// less than their number, and a gain of [`RELATIVE`] of the cost is nothing.
+const WRONG: f64 = 1.5;
+/// See [`WRONG`].
+const RELATIVE: f64 = 1e-5;
+
 /// Steps are given up when damping has grown beyond this.
 const MOST_DAMPING: f64 = 1e9;
 
@@ -80,7 +86,10 @@ impl Search {
         g: &DVector<f64>,
         tolerance: f64,
     ) {
-        let enough = tolerance * self.evaluation.rms.powi(2).max(1.0);
+        let mut enough = tolerance * self.evaluation.rms.powi(2).max(1.0);
+        if self.evaluation.rms > WRONG {
+            enough = enough.max(RELATIVE * self.cost);
+        }
         while self.damping < MOST_DAMPING {
             let (moved, promised) = match proposal(coordinates, &self.u, a, g, self.damping) {
                 Proposal::Step(moved, promised) => (moved, promised),
