@@ -5,7 +5,7 @@ use super::provenance::Provenance;
 use crate::failure::{OrBadInput, bad_input};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::BenchModel;
-use sealegs_model::{EffectCard, Excitation, Model, ModelError};
+use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter};
 use sealegs_sysid::diagnose::{Candidate, Promise, screen, with_effects};
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, fit};
 use serde::Serialize;
@@ -209,21 +209,27 @@ fn finished(
     let model = with_effects(base, effects, seen)?;
     let known = candidate.known();
     let mut best: Option<Fit> = None;
-    for choice in fit::choices(base) {
-        let start: Vec<f64> = model
-            .parameters()
-            .iter()
-            .enumerate()
-            .map(|(i, p)| {
-                let discrete = p.fixed && !p.starts.is_empty() && i < choice.len();
-                let fitted = known.iter().find(|(name, _)| *name == p.name).map_or(p.value, |(_, v)| *v);
-                if discrete { choice[i] } else { fitted }
-            })
-            .collect();
+    let mut attempt = |start: Vec<f64>| -> anyhow::Result<bool> {
         let options = FitOptions { start: Some(start), starts: 1, ..FitOptions::default() };
         let fitted = fit::fit(data, model.as_ref(), &options)?;
         if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
             best = Some(fitted);
+        }
+        Ok(best.iter().flat_map(|b| b.sensors()).any(|s| s.gain_at_limit))
+    };
+    for choice in fit::choices(base) {
+        let start = |from_fit: bool| -> Vec<f64> {
+            let value = |(i, p): (usize, &Parameter)| {
+                let discrete = p.fixed && !p.starts.is_empty() && i < choice.len();
+                let fitted = known.iter().find(|(name, _)| *name == p.name).map_or(p.value, |(_, v)| *v);
+                if discrete || (i < choice.len() && !from_fit) { choice[i] } else { fitted }
+            };
+            model.parameters().iter().enumerate().map(value).collect()
+        };
+        // Without its effects a model may have driven a sensor's gain to its limit, and a search that
+        // starts there stays: the nominal values are another place to start from.
+        if attempt(start(true))? {
+            attempt(start(false))?;
         }
     }
     let fit = best.ok_or_else(|| bad_input("no effect was named"))?;

@@ -12,9 +12,6 @@ use sealegs_sysid::{Evaluation, stats};
 const BEFORE: &str = "before";
 const AFTER: &str = "after";
 
-/// Points of a loop: enough for its shape.
-const LOOP_POINTS: usize = 3000;
-
 /// What a model says a sensor shows, at all time stamps of a run.
 fn shown(part: &Part, at: &Evaluation, run: usize, slot: usize) -> Option<Vec<f64>> {
     let r = &part.data.runs[run];
@@ -196,45 +193,29 @@ pub fn maps(page: &mut Report, story: &Story) {
     }
 }
 
-/// The loop of load against motor force, in which friction, play and slip show, where an effect is one of them.
+/// One slow cycle of both models, in which friction, play, slip and a spring's curve show as a loop, where an
+/// effect is one of them.
 pub fn law(page: &mut Report, story: &Story) {
-    let of_loop = |e: &String| {
-        ["friction", "hysteresis", "backlash", "hardening", "damping", "drag"].iter().any(|w| e.contains(w))
+    let shows = |e: &String| {
+        ["friction", "hysteresis", "backlash", "spring", "compliance"].iter().any(|w| e.contains(w))
     };
-    let outcome = story.outcome;
-    if !outcome.effects.iter().chain(outcome.indistinguishable.iter().flatten()).any(of_loop) {
-        return;
-    }
-    // The slowest run shows a loop that is not all inertia and damping.
-    let Some(part) = story.compared.parts.iter().find(|p| p.after.is_some()) else { return };
-    let pace = |run: usize| -> f64 {
-        let speed = part.before.predictions[run].internal(internal::SCREW_SPEED).map_or(0.0, stats::rms);
-        let size = part.before.predictions[run].internal(internal::SCREW_POSITION).map_or(0.0, stats::rms);
-        if size > 0.0 { speed / size } else { f64::INFINITY }
-    };
-    let Some(run) = (0..part.data.runs.len()).reduce(|a, b| if pace(b) < pace(a) { b } else { a }) else {
-        return;
-    };
-    let r = &part.data.runs[run];
-    let Some(force) = part.before.predictions[run].internal(internal::MOTOR_FORCE) else { return };
-    let Some(slot) = r.names.iter().position(|n| n.ends_with("_n") || n.ends_with("_nm")).or(Some(0)) else {
+    let Some(cycle) = story.cycle.as_ref().filter(|_| story.outcome.effects.iter().any(shows)) else {
         return;
     };
     page.section("Loop");
-    let step = (force.len() / LOOP_POINTS).max(1);
-    let points =
-        |v: &[f64]| -> Vec<(f64, f64)> { force.iter().zip(v).step_by(step).map(|(f, v)| (*f, *v)).collect() };
-    let force_unit = if r.names.iter().any(|n| n.ends_with("_nm")) { "N m" } else { "N" };
-    let mut chart = Chart::new(
-        &format!("{} against motor force in {}", r.names[slot], r.record.name),
-        Axis::new("motor force", force_unit),
-        Axis::new(&r.names[slot], unit(&r.names[slot])),
+    let chart = Chart::new(
+        &format!("{} over one slow cycle of {}", cycle.output, cycle.input),
+        Axis::new(&cycle.input, unit(&cycle.input)),
+        Axis::new(&cycle.output, unit(&cycle.output)),
     )
-    .line("measured", Hue::Ink, Dash::Solid, points(r.measured[slot]));
-    for (label, hue, dash, at) in models(part) {
-        if let Some(predicted) = shown(part, at, run, slot) {
-            chart = chart.line(label, hue, dash, points(&predicted));
-        }
-    }
-    page.figure(&chart, "The slowest fit run: the width of the loop is what friction, play or slip take.");
+    .line(BEFORE, Hue::Vermillion, Dash::Dashed, cycle.before.clone())
+    .line(AFTER, Hue::Blue, Dash::Solid, cycle.after.clone());
+    page.figure(
+        &chart,
+        &format!(
+            "Both models under one slow cycle of {:.0} s, simulated: the width of the loop is what friction, play or slip take, \
+             its bend is the spring's.",
+            cycle.seconds
+        ),
+    );
 }

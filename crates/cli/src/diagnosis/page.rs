@@ -16,7 +16,8 @@ const RANKED: usize = 12;
 #[must_use]
 pub fn of(story: &Story) -> String {
     let outcome = story.outcome;
-    let mut page = Report::new(&format!("{}: which effect is missing", outcome.campaign));
+    let what = if outcome.verdict == "added" { "a better model" } else { "which effect is missing" };
+    let mut page = Report::new(&format!("{}: {what}", outcome.campaign));
     page.subtitle(&outcome.provenance.model);
     verdict(&mut page, outcome);
     errors(&mut page, story);
@@ -28,7 +29,9 @@ pub fn of(story: &Story) -> String {
     figures::responses(&mut page, story);
     figures::maps(&mut page, story);
     figures::law(&mut page, story);
-    ambiguity(&mut page, outcome);
+    if outcome.verdict != "added" {
+        ambiguity(&mut page, outcome);
+    }
     next(&mut page, story);
     if !outcome.notes.is_empty() {
         page.section("Remarks on the files");
@@ -76,7 +79,7 @@ fn errors(page: &mut Report, story: &Story) {
     page.section("Error before and after");
     let before = number(o.base.holdout_error, 3);
     let after = o.after.as_ref().map_or("-".to_owned(), |a| number(a.holdout_error, 3));
-    let left = percent(o.unexplained_share);
+    let left = percent(o.unexplained_share).replace("less than", "<");
     let floor = number(o.noise_floor, 3);
     let mut boxes = vec![("before, held-out runs", before.as_str(), "noise units")];
     if o.after.is_some() {

@@ -2,6 +2,7 @@
 
 use super::outcome::Outcome;
 use crate::comparison::{Compared, Part};
+use sealegs_model::{InputHold, Record, Signal};
 use sealegs_sysid::diagnose::{Candidate, Diagnosis, Experiment};
 use sealegs_sysid::frequency::{self, ChannelResponse};
 use sealegs_sysid::locate::locate;
@@ -18,8 +19,67 @@ pub struct Story<'a> {
     pub after_responses: Vec<ChannelResponse>,
     /// The experiment that is proposed.
     pub experiment: Option<&'a Experiment>,
+    /// One slow cycle of both models, where an effect's law shows in it.
+    pub cycle: Option<Cycle>,
     /// The command as it was given.
     pub command: String,
+}
+
+/// What both models make of one slow cycle of the command, as no rig plays it: the effects' law itself.
+pub struct Cycle {
+    /// The input channel.
+    pub input: String,
+    /// The output channel.
+    pub output: String,
+    /// Command against output of the base model.
+    pub before: Vec<(f64, f64)>,
+    /// The same of the model with effects.
+    pub after: Vec<(f64, f64)>,
+    /// How long the cycle takes, s.
+    pub seconds: f64,
+}
+
+/// Duration of the cycle, s, and its samples; a quarter more leads into it.
+const CYCLE_S: f64 = 16.0;
+const CYCLE_SAMPLES: usize = 1600;
+
+impl Cycle {
+    /// Plays it, with the greatest command that the runs of `data` saw.
+    fn of(data: &Data, before: &Candidate, after: &Candidate) -> Option<Self> {
+        let signal = data.runs.first()?.record.inputs.first()?;
+        let inputs = data.runs.iter().flat_map(|r| &r.record.inputs).flat_map(|s| &s.values);
+        let peak = inputs.fold(0.0f64, |p, v| p.max(v.abs()));
+        let names = || data.channels.iter().map(|c| c.name.as_str());
+        let force = names().find(|n| n.ends_with("_n") || n.ends_with("_nm"));
+        let output = force.or_else(|| names().next())?.to_owned();
+        let lead = CYCLE_SAMPLES / 4;
+        let values = (0..=lead + CYCLE_SAMPLES).map(|i| {
+            let x = (i as f64 / CYCLE_SAMPLES as f64).rem_euclid(1.0);
+            peak * if x < 0.25 {
+                4.0 * x
+            } else if x < 0.75 {
+                2.0 - 4.0 * x
+            } else {
+                4.0 * x - 4.0
+            }
+        });
+        let values: Vec<f64> = values.collect();
+        let record = Record {
+            name: "one slow cycle".to_owned(),
+            time_s: (0..values.len()).map(|i| i as f64 * CYCLE_S / CYCLE_SAMPLES as f64).collect(),
+            hold: InputHold::Linear,
+            inputs: vec![Signal { channel: signal.channel.clone(), values: values.clone() }],
+            outputs: Vec::new(),
+        };
+        let play = |c: &Candidate| -> Option<Vec<(f64, f64)>> {
+            let channels = [output.clone()];
+            let prediction = c.model.predict(&c.fit.values, &record, &channels).ok()?;
+            let shown = prediction.output(&output)?;
+            Some(values.iter().copied().zip(shown.iter().copied()).skip(lead).collect())
+        };
+        let (before, after) = (play(before)?, play(after)?);
+        Some(Self { input: signal.channel.clone(), output, before, after, seconds: CYCLE_S })
+    }
 }
 
 /// The two models of a story with their evaluations on the holdout runs.
@@ -94,6 +154,7 @@ impl<'a> Story<'a> {
             responses,
             work: (outcome.work.simulations, outcome.work.simulated_s),
         };
-        Ok(Self { outcome, compared, after_responses, experiment, command })
+        let cycle = sides.after.and_then(|after| Cycle::of(&compared.parts[0].data, sides.base, after));
+        Ok(Self { outcome, compared, after_responses, experiment, cycle, command })
     }
 }
