@@ -119,7 +119,17 @@ pub fn compare<'a>(
     let (location, tests, responses) =
         (locate(&shown), structure::tests(&shown), frequency::responses(&shown));
     let work = parts.iter().map(|p| p.data.work()).fold((0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-    Ok(Compared { campaign, model: model.name(), floor, fit: fitted, parts, location, tests, responses, work })
+    Ok(Compared {
+        campaign,
+        model: model.name(),
+        floor,
+        fit: fitted,
+        parts,
+        location,
+        tests,
+        responses,
+        work,
+    })
 }
 
 impl Compared<'_> {
@@ -140,7 +150,10 @@ impl Compared<'_> {
         if error <= 1.1 * self.floor.max(1.0) {
             format!("The model is at the noise floor {what}: {figure} noise units on the {runs} runs.")
         } else {
-            format!("The model leaves {figure} noise units on the {runs} runs {what}; the floor is {:.2}.", self.floor)
+            format!(
+                "The model leaves {figure} noise units on the {runs} runs {what}; the floor is {:.2}.",
+                self.floor
+            )
         }
     }
 }
