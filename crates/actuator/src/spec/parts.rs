@@ -326,6 +326,9 @@ pub struct SensorSpec {
     /// One standard deviation of what is known of the bias, in the channel's unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bias_std: Option<f64>,
+    /// How far the biases of single runs scatter about `bias`, one standard deviation, where runs were fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bias_spread: Option<f64>,
 }
 
 impl SensorSpec {
@@ -340,7 +343,8 @@ impl SensorSpec {
         if let Some(bias) = self.bias.filter(|b| !b.is_finite()) {
             return Err(ActuatorError::value(field("bias"), bias, "finite"));
         }
-        for (name, std) in [("gain_std", self.gain_std), ("bias_std", self.bias_std)] {
+        let stds = [("gain_std", self.gain_std), ("bias_std", self.bias_std), ("bias_spread", self.bias_spread)];
+        for (name, std) in stds {
             if let Some(std) = std.filter(|s| !(*s >= 0.0 && s.is_finite())) {
                 return Err(ActuatorError::value(field(name), std, "zero or positive, and finite"));
             }
