@@ -137,7 +137,7 @@ impl Rig {
         let (low, high) = inputs().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let limit = limits.input.filter(|l| *l > 0.0).unwrap_or(f64::INFINITY);
         let (low, high) = (low.max(-limit), high.min(limit));
-        if !(high > low) {
+        if high <= low {
             return None;
         }
         // One-sided commands stay one-sided; all others swing about zero.
