@@ -129,8 +129,8 @@ impl Simulation {
         };
         let mut accelerations = DVector::zeros(v.len());
         let mut starts = vec![ActuatorStart::default(); self.actuators.len()];
-        // The second trial knows what the sprung masses feel, which the first found one step late.
-        for trial in [true, true, false] {
+        // What the sprung masses feel is one step late: every further trial leaves 1/200 of the error.
+        for trial in [true, true, true, false] {
             let now = &v - &accelerations * (0.5 * self.step_s);
             let before = &v - &accelerations * (1.5 * self.step_s);
             self.engine.set_state(q, &now, &before);

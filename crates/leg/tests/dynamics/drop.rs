@@ -44,7 +44,7 @@ fn a_drop_touches_down_when_it_must_and_says_what_it_overloads() {
 fn nothing_happens_in_free_fall() {
     let set = ["duration_s=0.13", "controller.kind=free"].map(str::to_owned);
     let result = run(&Scenario::load("thor-drop", &set).expect("good"), &mut ()).expect("runs");
-    // What is left comes from the trial steps that find the accelerations at the start.
+    // The little that is left comes from the trial steps that find the accelerations at the start.
     for a in &result.peaks.actuators {
         assert!(a.force_1_n.value.abs() < 1e-4 && a.force_2_n.value.abs() < 1e-4, "{a:?}");
     }
