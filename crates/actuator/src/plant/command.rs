@@ -132,20 +132,25 @@ fn hold_band_limited(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
     // The phases repeat where the step divides the period: the weights are then computed once.
     let per_period = (period / grid.step_s).round().max(1.0);
     let repeats = (per_period * grid.step_s - period).abs() < 1e-9 * period;
-    let phases: Vec<[f64; 2 * HALF_TAPS]> = if repeats {
-        (0..per_period as usize).map(|p| sinc_weights((p as f64 + 0.5) / per_period)).collect()
+    let position = |n: usize| (grid.time(n) + 0.5 * grid.step_s - time_s[0]) / period;
+    let per_period = per_period as usize;
+    let phases: Vec<(f64, [f64; 2 * HALF_TAPS])> = if repeats {
+        (0..per_period)
+            .map(|p| (position(p).floor(), sinc_weights(position(p) - position(p).floor())))
+            .collect()
     } else {
         Vec::new()
     };
     (0..grid.steps)
         .map(|n| {
-            let position = (grid.time(n) + 0.5 * grid.step_s - time_s[0]) / period;
-            let (base, weights) = if repeats && grid.start_s == time_s[0] {
-                (n / per_period as usize, phases[n % per_period as usize])
+            let (base, weights) = if repeats {
+                let (first, weights) = &phases[n % per_period];
+                (first + (n / per_period) as f64, *weights)
             } else {
-                let base = position.floor().max(0.0);
-                (base as usize, sinc_weights(position - base))
+                let base = position(n).floor();
+                (base, sinc_weights(position(n) - base))
             };
+            let base = base.max(0.0) as usize;
             // Samples base - HALF_TAPS + 1 ..= base + HALF_TAPS; the ends repeat the first and last value.
             if base + 1 >= HALF_TAPS && base + HALF_TAPS < values.len() {
                 let from = base + 1 - HALF_TAPS;

@@ -1,14 +1,14 @@
 //! The verbs: each file holds one verb's arguments and its `run`, which returns the exit status.
 
 mod add;
+mod bench;
 mod check;
 mod compare;
+pub mod design;
+mod design_report;
 mod diagnose;
 mod impact;
 mod list;
-pub mod design;
-mod design_report;
-mod bench;
 mod reproduce;
 mod run;
 
@@ -17,15 +17,25 @@ use clap::Subcommand;
 /// What the program can do.
 #[derive(Subcommand)]
 pub enum Verb {
+    /// Run a scenario: a drop, a swing, a leg of your own.
     Run(run::Run),
+    /// Drop a leg from several heights with several springs; exit status 3 when a stated limit is passed.
     Impact(impact::Impact),
+    /// List the robots, actuators and scenarios that come with the program.
     List(list::List),
+    /// Check a campaign: clocks, gaps, saturation, noise, excitation, and what it can identify.
     Check(check::CheckArguments),
+    /// Show where the model fails on a campaign, and by how much.
     Compare(compare::Compare),
+    /// Find the physical effect that the model lacks, or say that none is missing or none is known.
     Diagnose(diagnose::Diagnose),
+    /// Add an effect to a model, refit it on a campaign and write the better model.
     Add(add::Add),
+    /// Run an actuator on a test bench.
     Bench(bench::BenchArguments),
+    /// Recompute the numbers of the dissertation "Series Elasticity in Linearly Actuated Humanoids".
     Reproduce(reproduce::Reproduce),
+    /// Choose spring stiffness and spring side for a force bandwidth.
     Design(design::DesignArguments),
 }
 

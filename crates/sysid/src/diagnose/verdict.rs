@@ -9,14 +9,11 @@ use rayon::prelude::*;
 /// Error above the floor, as a ratio, up to which a model is called adequate.
 const ADEQUATE: f64 = 1.05;
 
-/// Share of the unexplained energy that may be left for effects to have explained it.
-const EXPLAINED: f64 = 0.10;
-
 /// Error above the floor, as a ratio, up to which a model with effects has explained everything.
-const AT_FLOOR: f64 = 1.10;
+const EXPLAINED: f64 = 1.25;
 
 /// Share of the unexplained energy that effects must remove to be named at all.
-const WORTH_NAMING: f64 = 0.35;
+const WORTH_NAMING: f64 = 0.5;
 
 /// What was found out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,7 +109,7 @@ pub(super) fn judge(holdout: &Data, found: &Found, floor: f64) -> Result<Verdict
     let kind = if chosen.effects.is_empty() {
         let fits = base.fit.error() <= ADEQUATE * floor && at_floor(&base_holdout, ADEQUATE);
         if fits { VerdictKind::Adequate } else { VerdictKind::Unexplained }
-    } else if share <= EXPLAINED || at_floor(&chosen_holdout, AT_FLOOR) {
+    } else if at_floor(&chosen_holdout, EXPLAINED) {
         VerdictKind::MissingEffect
     } else if share <= 1.0 - WORTH_NAMING {
         VerdictKind::PartlyExplained
