@@ -208,7 +208,7 @@ impl Rig {
                 }
                 let description = if share < 1.0 {
                     format!(
-                        "{description}, weakened to {:.0} % so that no output exceeds what was seen",
+                        "{description} (at {:.0} % of that, so that outputs stay within {BEYOND_SEEN} times what was seen)",
                         100.0 * share
                     )
                 } else {
