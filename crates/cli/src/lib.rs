@@ -16,7 +16,12 @@ use clap::Parser;
 
 /// A sandbox for humanoid legs driven by linear series elastic actuators.
 #[derive(Parser)]
-#[command(name = "sealegs", version, about = "A sandbox for humanoid legs driven by linear series elastic actuators, and the finding of what its models lack", arg_required_else_help = true)]
+#[command(
+    name = "sealegs",
+    version,
+    about = "A sandbox for humanoid legs driven by linear series elastic actuators, and the finding of what its models lack",
+    arg_required_else_help = true
+)]
 struct Arguments {
     #[command(subcommand)]
     verb: verb::Verb,

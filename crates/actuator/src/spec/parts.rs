@@ -343,7 +343,8 @@ impl SensorSpec {
         if let Some(bias) = self.bias.filter(|b| !b.is_finite()) {
             return Err(ActuatorError::value(field("bias"), bias, "finite"));
         }
-        let stds = [("gain_std", self.gain_std), ("bias_std", self.bias_std), ("bias_spread", self.bias_spread)];
+        let stds =
+            [("gain_std", self.gain_std), ("bias_std", self.bias_std), ("bias_spread", self.bias_spread)];
         for (name, std) in stds {
             if let Some(std) = std.filter(|s| !(*s >= 0.0 && s.is_finite())) {
                 return Err(ActuatorError::value(field(name), std, "zero or positive, and finite"));
