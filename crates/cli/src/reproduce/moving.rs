@@ -88,6 +88,9 @@ pub struct Explanation {
 /// The printed peaks, unlumped and lumped, Hz.
 pub const PRINTED_HZ: [f64; 2] = [15.76, 6.35];
 
+/// The number sought as a person reads it.
+type Shown<'a> = &'a dyn Fn(f64) -> String;
+
 /// A model and a link that depend on one number.
 type Change<'a> = &'a dyn Fn(f64) -> (f64, f64, f64);
 
@@ -118,7 +121,7 @@ pub fn explanations(thor: &Thor) -> anyhow::Result<Vec<Explanation>> {
     };
     let softer = |k: f64| (k, base.0, base.1);
     let as_stated = |_: f64| (STIFF_N_M, base.0, base.1);
-    let list: [(&str, Change<'_>, f64, f64, &dyn Fn(f64) -> String); 6] = [
+    let list: [(&str, Change<'_>, f64, f64, Shown<'_>); 6] = [
         ("a stiffness in series with the spring", &series, 1e6, 40e6, &|v| {
             format!("{:.1} MN/m (leaves {:.0} kN/m)", 1e-6 * v, 1e-3 * series(v).0)
         }),

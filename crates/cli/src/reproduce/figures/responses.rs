@@ -54,14 +54,15 @@ fn estimate_phase(r: &FrequencyResponse, lines: &[usize]) -> Vec<(f64, f64)> {
     lines.iter().map(|&i| (r.frequency_hz[i], wrapped(r.value[i].arg().to_degrees()))).collect()
 }
 
+/// A curve over a frequency grid (Hz) from a transfer function.
+type CurveOf = fn(&Transfer, &[f64]) -> Vec<(f64, f64)>;
+
 /// The locked bench by both models, with the rehearsed identification.
 pub fn figure_3_7(r: &Reproduction, thor: &Thor) -> Figure {
     let grid = logarithmic(LOW_HZ, 200.0, 600);
     let unlumped = ForceResponse::locked(&thor.smh(STIFF_N_M));
     let lumped = ForceResponse::locked(&thor.lumped(STIFF_N_M));
-    let pair = |chart: Chart,
-                pick: &dyn Fn(&ForceResponse) -> Transfer,
-                of: &dyn Fn(&Transfer, &[f64]) -> Vec<(f64, f64)>| {
+    let pair = |chart: Chart, pick: &dyn Fn(&ForceResponse) -> Transfer, of: CurveOf| {
         chart.line("unlumped", Hue::Blue, Dash::Solid, of(&pick(&unlumped), &grid)).line(
             "lumped",
             Hue::Vermillion,
@@ -77,25 +78,25 @@ pub fn figure_3_7(r: &Reproduction, thor: &Thor) -> Figure {
     let lines_2 = thinned(&h.locked_force_2, 0.1, 150.0, 90);
     let rehearsed = "rehearsal: simulated at 400 Hz, H1";
     let charts = vec![
-        pair(magnitude("(a) F1/Fm", 200.0), &force_1, &gain_of).scatter(
+        pair(magnitude("(a) F1/Fm", 200.0), &force_1, gain_of).scatter(
             rehearsed,
             Hue::Ink,
             Marker::Dot,
             estimate_gain(&h.locked, &lines_1),
         ),
-        pair(phase("(a) F1/Fm", 200.0), &force_1, &phase_of).scatter(
+        pair(phase("(a) F1/Fm", 200.0), &force_1, phase_of).scatter(
             rehearsed,
             Hue::Ink,
             Marker::Dot,
             estimate_phase(&h.locked, &lines_1),
         ),
-        pair(magnitude("(b) F2/Fm", 200.0), &force_2, &gain_of).scatter(
+        pair(magnitude("(b) F2/Fm", 200.0), &force_2, gain_of).scatter(
             rehearsed,
             Hue::Ink,
             Marker::Dot,
             estimate_gain(&h.locked_force_2, &lines_2),
         ),
-        pair(magnitude("(c) F1/F2", 200.0), &ratio, &gain_of)
+        pair(magnitude("(c) F1/F2", 200.0), &ratio, gain_of)
             .vertical(7.47, "printed 7.47 Hz")
             .vertical(160.0, "printed 160 Hz"),
     ];
