@@ -3,8 +3,8 @@
 //!
 //! The walk: the base model is refitted first ([`crate::fit`]), so that a wrong value is never taken for a
 //! missing effect. Effects are screened beside it ([`screen`]), the promising ones fitted together with
-//! the base parameters ([`Candidate`]), sets grown, pruned and compared ([`search`]); the verdict follows
-//! from the holdout runs ([`verdict`]), which nothing before it has looked at.
+//! the base parameters ([`Candidate`]), sets grown, pruned and compared ([`Found`]); the verdict follows
+//! from the holdout runs ([`Verdict`]), which nothing before it has looked at.
 
 mod candidate;
 mod compare;
