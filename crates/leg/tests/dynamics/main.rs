@@ -3,6 +3,7 @@
 mod coupling;
 mod drop;
 mod fault;
+mod momentum;
 mod pendulum;
 mod reference;
 mod repeat;
