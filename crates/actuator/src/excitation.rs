@@ -4,11 +4,12 @@
 //! its random numbers come from a counter, not from a state. The generator is SplitMix64 (Steele, Lea and
 //! Flood 2014): the `n`-th number is a fixed hash of `seed + n * 0x9E3779B97F4A7C15`.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
 use crate::ActuatorError;
+use crate::kaiser::windowed_sinc;
 
 /// A command over time, in the unit of whatever it commands (A for a current).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -289,22 +290,8 @@ fn noise(seed: u64, at: f64) -> f64 {
     let base = base as i64;
     let mut sum = 0.0;
     for k in (1 - HALF_TAPS)..=HALF_TAPS {
-        let x = fraction - k as f64;
-        let sinc = if x.abs() < 1e-12 { 1.0 } else { (PI * x).sin() / (PI * x) };
-        let inside = (1.0 - (x / HALF_TAPS as f64).powi(2)).max(0.0);
-        let window = bessel_i0(KAISER_BETA * inside.sqrt()) / bessel_i0(KAISER_BETA);
-        sum += sinc * window * gaussian(seed, base + k);
-    }
-    sum
-}
-
-/// Modified Bessel function of the first kind of order 0, by its power series.
-fn bessel_i0(x: f64) -> f64 {
-    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
-    while term > 1e-16 * sum {
-        term *= (x / (2.0 * k)).powi(2);
-        sum += term;
-        k += 1.0;
+        let weight = windowed_sinc(fraction - k as f64, HALF_TAPS as f64, KAISER_BETA);
+        sum += weight * gaussian(seed, base + k);
     }
     sum
 }

@@ -11,6 +11,7 @@ pub mod design;
 pub mod effect;
 mod error;
 pub mod excitation;
+mod kaiser;
 pub mod linkage;
 pub mod plant;
 pub mod response;

@@ -1,9 +1,9 @@
 //! Sensor delay: samples that carry a later time than their value.
 
-use super::setting::{Setting, with_starts};
+use super::setting::Setting;
 use super::{Effect, Scope};
 use crate::plant::{Plant, SensorStage};
-use sealegs_model::{EffectCard, Parameter};
+use sealegs_model::EffectCard;
 
 /// Samples that are stamped late.
 #[derive(Debug)]
@@ -11,15 +11,6 @@ pub struct SensorDelay;
 
 impl Effect for SensorDelay {
     fn card(&self, setting: &Setting) -> EffectCard {
-        let period = setting.seen.sample_period_s.max(1e-4);
-        let parameters = vec![with_starts(
-            Parameter {
-                neutral: Some(0.0),
-                typical: period,
-                ..Parameter::new("delay_s", "s", 1.5 * period, 0.0, 100.0 * period)
-            },
-            [5.0 * period, 15.0 * period],
-        )];
         EffectCard {
             id: "sensor-delay".to_owned(),
             summary: "Samples that are stamped late.".to_owned(),
@@ -27,7 +18,7 @@ impl Effect for SensorDelay {
             equation: "x(t - tau)".to_owned(),
             validity: "On all sensors, or on the one that is named; a delay of all of them cannot be told from one of the drive.".to_owned(),
             reference: "Any bus or logger; dissertation section 2-4-3".to_owned(),
-            parameters,
+            parameters: vec![setting.delay()],
             passive: true,
         }
     }

@@ -131,6 +131,14 @@ impl Setting {
         if self.seen.sample_period_s > 0.0 { 0.5 / self.seen.sample_period_s } else { 500.0 }
     }
 
+    /// A delay in s that vanishes at 0, guessed from the sampling period.
+    #[must_use]
+    pub fn delay(&self) -> Parameter {
+        let period = self.seen.sample_period_s.max(1e-4);
+        let delay = Parameter::new("delay_s", "s", 1.5 * period, 0.0, 100.0 * period);
+        with_starts(Parameter { neutral: Some(0.0), typical: period, ..delay }, [5.0 * period, 15.0 * period])
+    }
+
     /// A parameter `<symbol><unit suffix>` that vanishes at 0: bounds 0 to `max`, first guess `guess`.
     #[must_use]
     pub fn amount(&self, symbol: &str, quantity: Quantity, guess: f64, max: f64) -> Parameter {

@@ -1,9 +1,9 @@
 //! Transport delay: the command acts later than it was given.
 
 use super::Effect;
-use super::setting::{Setting, with_starts};
+use super::setting::Setting;
 use crate::plant::{CommandStage, Plant};
-use sealegs_model::{EffectCard, Parameter};
+use sealegs_model::EffectCard;
 
 /// The command acts later than it was given.
 #[derive(Debug)]
@@ -11,15 +11,6 @@ pub struct TransportDelay;
 
 impl Effect for TransportDelay {
     fn card(&self, setting: &Setting) -> EffectCard {
-        let period = setting.seen.sample_period_s.max(1e-4);
-        let parameters = vec![with_starts(
-            Parameter {
-                neutral: Some(0.0),
-                typical: period,
-                ..Parameter::new("delay_s", "s", 1.5 * period, 0.0, 100.0 * period)
-            },
-            [5.0 * period, 15.0 * period],
-        )];
         EffectCard {
             id: "transport-delay".to_owned(),
             summary: "The command acts later than it was given.".to_owned(),
@@ -27,7 +18,7 @@ impl Effect for TransportDelay {
             equation: "I(t - tau)".to_owned(),
             validity: "Communication, control loops and computation; cannot be told from an equal delay of every sensor.".to_owned(),
             reference: "Dissertation section 2-4-3".to_owned(),
-            parameters,
+            parameters: vec![setting.delay()],
             passive: true,
         }
     }

@@ -1,6 +1,7 @@
 //! The command between its samples: the mean motor effort over every step of the integrator's grid.
 
 use super::ports::CommandStage;
+use crate::kaiser::windowed_sinc;
 use sealegs_model::InputHold;
 
 /// A uniform grid of integration steps that covers a record.
@@ -126,6 +127,9 @@ fn hold_linear(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
 /// Half the number of samples that take part in the interpolation of a band-limited command.
 const HALF_TAPS: usize = 24;
 
+/// Shape of its window, for a stop band far below a sensor's noise.
+const KAISER_BETA: f64 = 9.0;
+
 /// Interpolation by a sinc under a Kaiser window at the middle of each step.
 fn hold_band_limited(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
     let period = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
@@ -169,30 +173,15 @@ fn hold_band_limited(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
 
 /// Weights of the samples around a point `fraction` of a period after the middle-left sample; their sum is 1.
 fn sinc_weights(fraction: f64) -> [f64; 2 * HALF_TAPS] {
-    let beta = 9.0;
     let mut weights = [0.0; 2 * HALF_TAPS];
     let mut sum = 0.0;
     for (k, weight) in weights.iter_mut().enumerate() {
         let x = fraction + HALF_TAPS as f64 - 1.0 - k as f64;
-        let sinc =
-            if x.abs() < 1e-12 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) };
-        let inside = (1.0 - (x / HALF_TAPS as f64).powi(2)).max(0.0);
-        *weight = sinc * bessel_i0(beta * inside.sqrt());
+        *weight = windowed_sinc(x, HALF_TAPS as f64, KAISER_BETA);
         sum += *weight;
     }
     weights.iter_mut().for_each(|w| *w /= sum);
     weights
-}
-
-/// Modified Bessel function of the first kind of order 0, by its power series.
-fn bessel_i0(x: f64) -> f64 {
-    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
-    while term > 1e-16 * sum {
-        term *= (x / (2.0 * k)).powi(2);
-        sum += term;
-        k += 1.0;
-    }
-    sum
 }
 
 #[cfg(test)]
