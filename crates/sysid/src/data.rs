@@ -337,11 +337,7 @@ impl<'a> Data<'a> {
                 widen(name, measured);
             }
         }
-        let periods: Vec<f64> = self
-            .runs
-            .iter()
-            .map(|r| stats::median(&r.record.time_s.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>()))
-            .collect();
+        let periods: Vec<f64> = self.runs.iter().map(|r| stats::median_period(&r.record.time_s)).collect();
         Excitation {
             measured: self.channels.iter().map(|c| c.name.clone()).collect(),
             ranges,

@@ -35,11 +35,8 @@ pub fn responses(parts: &[(&Data, &Evaluation)]) -> Vec<ChannelResponse> {
             names.push(&channel.name);
         }
     }
-    let periods: Vec<f64> = parts
-        .iter()
-        .flat_map(|(d, _)| &d.runs)
-        .map(|r| stats::median(&r.record.time_s.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>()))
-        .collect();
+    let periods: Vec<f64> =
+        parts.iter().flat_map(|(d, _)| &d.runs).map(|r| stats::median_period(&r.record.time_s)).collect();
     let period = stats::median(&periods);
     names.into_iter().filter_map(|name| response(parts, name, period)).collect()
 }

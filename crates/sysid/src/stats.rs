@@ -6,6 +6,12 @@ pub fn median(values: &[f64]) -> f64 {
     quantile(values, 0.5)
 }
 
+/// The median distance between neighbouring time stamps, s; 0 of fewer than two.
+#[must_use]
+pub fn median_period(time_s: &[f64]) -> f64 {
+    median(&time_s.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>())
+}
+
 /// The value below which a share `q` of the values lies, by the nearest rank; 0 of nothing.
 #[must_use]
 pub fn quantile(values: &[f64], q: f64) -> f64 {

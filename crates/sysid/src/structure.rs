@@ -232,7 +232,7 @@ fn whiteness(parts: &[(&Data, &Evaluation)]) -> StructureTest {
         for block in &at.blocks {
             let run = &data.runs[block.run];
             let stamps: Vec<f64> = run.rows().map(|i| run.record.time_s[i]).collect();
-            let period = stats::median(&stamps.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
+            let period = stats::median_period(&stamps);
             let mut even = resample::uniform(&stamps, &block.residual, period, false);
             let mean = stats::mean(&even);
             even.iter_mut().for_each(|v| *v -= mean);

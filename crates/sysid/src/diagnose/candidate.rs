@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::data::Data;
-use crate::fit::{Difference, Fit, FitOptions, fit};
+use crate::fit::{Difference, Fit, FitOptions, dot, fit};
 use nalgebra::{DMatrix, DVector};
 use sealegs_model::{Excitation, Model};
 
@@ -180,8 +180,4 @@ fn solve(mut a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
         a[(k, k)] += 1e-3 + 1e-9 * a[(k, k)].abs();
     }
     a.cholesky().map_or_else(|| DVector::zeros(n), |c| c.solve(b))
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

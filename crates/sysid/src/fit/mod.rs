@@ -20,6 +20,7 @@ mod signature;
 mod uncertainty;
 
 pub use coordinates::Bound;
+pub(crate) use jacobian::dot;
 pub use jacobian::{Difference, JacobianBlock};
 pub use signature::Signatures;
 

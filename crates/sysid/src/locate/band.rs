@@ -20,8 +20,7 @@ pub(super) fn regions(parts: &[(&Data, &Evaluation)]) -> Vec<Region> {
         for block in &at.blocks {
             let run = &data.runs[block.run];
             let time: Vec<f64> = run.rows().map(|i| run.record.time_s[i]).collect();
-            let steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
-            let period = stats::median(&steps);
+            let period = stats::median_period(&time);
             let mut even = resample::uniform(&time, &block.residual, period, false);
             if even.len() < 16 {
                 continue;
