@@ -69,11 +69,7 @@ impl Coordinates {
         if self.logarithmic(k) { self.value(k, u) } else { self.of(k).typical }
     }
 
-    /// Step of a finite difference: 0.2 % of a typical change, or 0.02 % of the value in ratios.
-    ///
-    /// Larger steps were tried and are worse: encoders see a motion to a few millionths, and the curvature
-    /// that a wide difference leaves in a column then looks like information along directions that the data
-    /// cannot feel at all (a common scale of all forces).
+    /// Step of a first finite difference: 0.2 % of a typical change, or 0.02 % of the value in ratios.
     pub fn difference(&self, k: usize) -> f64 {
         if self.logarithmic(k) { 2e-4 } else { 2e-3 }
     }

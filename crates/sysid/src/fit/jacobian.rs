@@ -31,6 +31,103 @@ pub enum Difference {
     Central,
 }
 
+/// Where a finite difference moves the coordinates, and how its columns become those by the coordinates.
+///
+/// A simulation whose friction switches is smooth to a few thousandths of the noise only. That roughness, divided
+/// by the step, looks like information, and most along combinations of parameters that the data hardly feel (a
+/// common scale of all forces): each column alone is large there, and their sum should vanish. So once rough
+/// columns are known, differences are taken along their principal directions, each with a step that changes
+/// the residual as much as it should.
+pub(crate) struct Directions {
+    /// A move of all coordinates for each direction.
+    moves: Vec<DVector<f64>>,
+    /// Columns by coordinates = columns by direction times this.
+    back: DMatrix<f64>,
+}
+
+/// Change of the residual, root mean square in noise units, that a difference should make beyond what the sensors
+/// take up: forward, where the curvature counts, and central.
+const CHANGE: [f64; 2] = [0.3, 1.0];
+
+/// Change of the prediction, sensors aside, beyond which its curvature counts, as a multiple of that.
+const BARE_CHANGE: f64 = 30.0;
+
+impl Directions {
+    /// One coordinate at a time, by its usual step.
+    pub fn first(coordinates: &Coordinates) -> Self {
+        let n = coordinates.len();
+        let unit = |k: usize| DVector::from_fn(n, |i, _| if i == k { coordinates.difference(k) } else { 0.0 });
+        let moves: Vec<_> = (0..n).map(unit).collect();
+        Self { back: Self::back(&moves), moves }
+    }
+
+    /// Along the principal directions of columns that were taken nearby (`raw`, and `projected` of what the
+    /// sensors take up). What is close to a bound goes by itself.
+    pub fn principal(
+        coordinates: &Coordinates,
+        u: &[f64],
+        raw: &[JacobianBlock],
+        projected: &[JacobianBlock],
+        how: Difference,
+    ) -> Self {
+        let n = coordinates.len();
+        let rows: usize = raw.iter().map(|b| b.columns.first().map_or(0, Vec::len)).sum();
+        let (bare, own) = (gram(raw, n), gram(projected, n));
+        let change = CHANGE[usize::from(how == Difference::Central)] * (rows as f64).sqrt();
+        let wanted = |squares: f64, bare: f64| {
+            (change / squares.max(0.0).sqrt()).min(BARE_CHANGE * change / bare.max(0.0).sqrt())
+        };
+        let mut moves = vec![DVector::zeros(n); n];
+        let mut inner = Vec::new();
+        for k in 0..n {
+            let usual = coordinates.difference(k);
+            let step = wanted(own[(k, k)], bare[(k, k)]).clamp(1e-3 * usual, 100.0 * usual);
+            let step = if step.is_finite() { step } else { usual };
+            moves[k][k] = step;
+            let inside = |s: f64| (coordinates.coordinate(k, coordinates.value(k, u[k] + s)) - u[k] - s).abs() < 1e-6 * step;
+            if own[(k, k)] > 0.0 && inside(10.0 * step) && inside(-10.0 * step) {
+                inner.push(k);
+            }
+        }
+        // In units of each coordinate's own step, so that the eigenvectors do not depend on the scales.
+        let m = inner.len();
+        let size: Vec<f64> = inner.iter().map(|&k| moves[k][k]).collect();
+        let of = |a: &DMatrix<f64>| DMatrix::from_fn(m, m, |i, j| a[(inner[i], inner[j])] * size[i] * size[j]);
+        let (own, bare) = (of(&own), of(&bare));
+        let eigen = own.symmetric_eigen();
+        for (j, &k) in inner.iter().enumerate() {
+            let v = eigen.eigenvectors.column(j);
+            let farthest = 10.0 / v.amax();
+            let step = wanted(eigen.eigenvalues[j], v.dot(&(&bare * v))).min(farthest);
+            moves[k] = DVector::zeros(n);
+            for (i, &l) in inner.iter().enumerate() {
+                moves[k][l] = step * size[i] * v[i];
+            }
+        }
+        Self { back: Self::back(&moves), moves }
+    }
+
+    fn back(moves: &[DVector<f64>]) -> DMatrix<f64> {
+        let n = moves.len();
+        let across = DMatrix::from_fn(n, n, |i, j| moves[j][i]);
+        across.try_inverse().unwrap_or_else(|| DMatrix::identity(n, n))
+    }
+}
+
+/// `J'J` over all blocks.
+pub(super) fn gram(blocks: &[JacobianBlock], n: usize) -> DMatrix<f64> {
+    let mut a = DMatrix::zeros(n, n);
+    for block in blocks {
+        for k in 0..n {
+            for l in k..n {
+                a[(k, l)] += dot(&block.columns[k], &block.columns[l]);
+                a[(l, k)] = a[(k, l)];
+            }
+        }
+    }
+    a
+}
+
 /// Derivatives by every free coordinate, block by block in the order of the evaluation's.
 pub(crate) fn raw(
     data: &Data,
@@ -39,27 +136,31 @@ pub(crate) fn raw(
     coordinates: &Coordinates,
     u: &[f64],
     how: Difference,
+    along: &Directions,
 ) -> Vec<JacobianBlock> {
+    let count = coordinates.len();
     let jobs: Vec<(usize, usize)> =
-        (0..coordinates.len()).flat_map(|k| (0..data.runs.len()).map(move |run| (k, run))).collect();
+        (0..count).flat_map(|k| (0..data.runs.len()).map(move |run| (k, run))).collect();
     // For each job the columns of its run's channels; empty where neither side could be simulated.
     let columns: Vec<Vec<Vec<f64>>> = jobs
         .into_par_iter()
         .map(|(k, run)| {
-            let shifted = |step: f64| -> Option<(f64, Prediction)> {
-                let mut moved = u.to_vec();
-                moved[k] += step;
+            // How far along the direction a move gets inside the bounds, 1 being all the way, and what comes of it.
+            let shifted = |times: f64| -> Option<(f64, Prediction)> {
+                let moved: Vec<f64> = u.iter().zip(along.moves[k].iter()).map(|(x, m)| x + times * m).collect();
                 let values = coordinates.values(&moved, &at.values);
-                let i = coordinates.free[k];
-                let reached = coordinates.coordinate(k, values[i]) - u[k];
-                if reached.abs() < 0.5 * step.abs() {
+                let (most, reached) = (0..count).fold((0.0, 0.0), |(most, reached), l| {
+                    let wanted: f64 = along.moves[k][l];
+                    let got = coordinates.coordinate(l, values[coordinates.free[l]]) - u[l];
+                    if wanted.abs() > most { (wanted.abs(), got / wanted) } else { (most, reached) }
+                });
+                if most == 0.0 || (reached * times) < 0.5 {
                     return None;
                 }
                 data.predict_run(run, model, &values).ok().map(|p| (reached, p))
             };
-            let h = coordinates.difference(k);
-            let up = shifted(h);
-            let down = if how == Difference::Central || up.is_none() { shifted(-h) } else { None };
+            let up = shifted(1.0);
+            let down = if how == Difference::Central || up.is_none() { shifted(-1.0) } else { None };
             let here = (0.0, &at.predictions[run]);
             let (a, b) = match (&up, &down) {
                 (Some(up), Some(down)) => ((up.0, &up.1), (down.0, &down.1)),
@@ -71,16 +172,26 @@ pub(crate) fn raw(
         })
         .collect();
     at.blocks
-        .iter()
-        .map(|block| JacobianBlock {
-            run: block.run,
-            channel: block.channel,
-            columns: (0..coordinates.len())
-                .map(|k| {
-                    let job = &columns[k * data.runs.len() + block.run];
-                    job.get(block.slot).cloned().unwrap_or_else(|| vec![0.0; block.residual.len()])
-                })
-                .collect(),
+        .par_iter()
+        .map(|block| {
+            let by_direction: Vec<Option<&Vec<f64>>> =
+                (0..count).map(|k| columns[k * data.runs.len() + block.run].get(block.slot)).collect();
+            JacobianBlock {
+                run: block.run,
+                channel: block.channel,
+                columns: (0..count)
+                    .map(|k| {
+                        let mut column = vec![0.0; block.residual.len()];
+                        for (j, by) in by_direction.iter().enumerate() {
+                            let share = along.back[(j, k)];
+                            if let Some(by) = by.filter(|_| share != 0.0) {
+                                column.iter_mut().zip(by).for_each(|(c, v)| *c += share * v);
+                            }
+                        }
+                        column
+                    })
+                    .collect(),
+            }
         })
         .collect()
 }

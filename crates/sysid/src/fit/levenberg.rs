@@ -1,7 +1,7 @@
 //! Levenberg and Marquardt's search inside bounds.
 
 use super::coordinates::{Bound, Coordinates};
-use super::jacobian::{self, Difference};
+use super::jacobian::{self, Difference, Directions, JacobianBlock};
 use crate::Error;
 use crate::data::{Data, Evaluation};
 use nalgebra::{DMatrix, DVector};
@@ -19,6 +19,8 @@ pub(super) struct Search {
     /// Forward far away; central once steps no longer keep their promise, as in a flat valley a forward
     /// difference's error is larger than the slope.
     difference: Difference,
+    /// Columns taken last, bare and projected, for the steps of the next differences.
+    last: Option<(Vec<JacobianBlock>, Vec<JacobianBlock>)>,
 }
 
 /// Above this error, in noise units, the model is wrong and its residual remembers: samples are then worth far
@@ -49,7 +51,35 @@ impl Search {
             converged: coordinates.len() == 0,
             damping: 1e-3,
             difference: Difference::Forward,
+            last: None,
         })
+    }
+
+    /// Derivatives here: bare, and with what the sensors can take up projected out.
+    pub fn derivatives(
+        &self,
+        data: &Data,
+        model: &dyn Model,
+        coordinates: &Coordinates,
+        how: Difference,
+    ) -> (Vec<JacobianBlock>, Vec<JacobianBlock>) {
+        let along = |how, directions: &Directions| {
+            let raw = jacobian::raw(data, model, &self.evaluation, coordinates, &self.u, how, directions);
+            let mut projected = raw.clone();
+            jacobian::project(data, &self.evaluation, &mut projected);
+            (raw, projected)
+        };
+        let principal = |(raw, projected): &(Vec<JacobianBlock>, Vec<JacobianBlock>)| {
+            Directions::principal(coordinates, &self.u, raw, projected, how)
+        };
+        match &self.last {
+            Some(last) => along(how, &principal(last)),
+            None if how == Difference::Forward => along(how, &Directions::first(coordinates)),
+            None => {
+                let rough = along(Difference::Forward, &Directions::first(coordinates));
+                along(how, &principal(&rough))
+            }
+        }
     }
 
     /// Takes at most `steps` further steps.
@@ -66,11 +96,9 @@ impl Search {
                 return;
             }
             self.steps += 1;
-            let raw = jacobian::raw(data, model, &self.evaluation, coordinates, &self.u, self.difference);
-            let mut projected = raw.clone();
-            jacobian::project(data, &self.evaluation, &mut projected);
+            let (raw, projected) = self.derivatives(data, model, coordinates, self.difference);
             let (mut a, mut g) = jacobian::normal(&projected, &raw, &self.evaluation);
-            drop((raw, projected));
+            self.last = Some((raw, projected));
             add_priors(coordinates, &self.u, &mut a, &mut g);
             self.step(data, model, coordinates, &a, &g, tolerance);
         }

@@ -296,10 +296,8 @@ fn describe(
     difference: Difference,
     before: (u64, f64),
 ) -> Fit {
+    let (raw, projected) = search.derivatives(data, model, coordinates, difference);
     let Search { u, evaluation, cost, steps, converged, .. } = search;
-    let raw = jacobian::raw(data, model, &evaluation, coordinates, &u, difference);
-    let mut projected = raw.clone();
-    jacobian::project(data, &evaluation, &mut projected);
     let (mut normal, mut gradient) = jacobian::normal(&projected, &raw, &evaluation);
     levenberg::add_priors(coordinates, &u, &mut normal, &mut gradient);
     let slopes: Vec<f64> = (0..u.len()).map(|k| coordinates.slope(k, u[k])).collect();

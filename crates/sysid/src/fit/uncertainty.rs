@@ -1,7 +1,7 @@
 //! Standard errors of fitted parameters that hold where the model is wrong, too.
 
 use super::coordinates::Coordinates;
-use super::jacobian::{JacobianBlock, dot};
+use super::jacobian::{JacobianBlock, dot, gram};
 use crate::data::{Data, Evaluation};
 use nalgebra::{DMatrix, DVector};
 
@@ -85,20 +85,6 @@ pub(super) fn covariance(
     let inflation = if n == 0 { 1.0 } else { (ratios / n as f64).sqrt() };
     let covariance = DMatrix::from_fn(n, n, |k, l| spread[(k, l)] * slopes[k] * slopes[l]);
     Spread { covariance, felt, inflation }
-}
-
-/// `J'J` of the projected columns.
-fn gram(projected: &[JacobianBlock], n: usize) -> DMatrix<f64> {
-    let mut a = DMatrix::zeros(n, n);
-    for block in projected {
-        for k in 0..n {
-            for l in k..n {
-                a[(k, l)] += dot(&block.columns[k], &block.columns[l]);
-                a[(l, k)] = a[(k, l)];
-            }
-        }
-    }
-    a
 }
 
 /// Sum over stretches of the runs of the outer product of their scores `J'r`; all channels of a run share

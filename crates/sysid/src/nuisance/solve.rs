@@ -16,6 +16,8 @@ pub struct RunSums {
     pub pp: f64,
     /// Sum of products of prediction and measurement.
     pub py: f64,
+    /// Sum of squared measurements.
+    pub yy: f64,
 }
 
 impl RunSums {
@@ -26,6 +28,13 @@ impl RunSums {
         self.y += measured;
         self.pp += predicted * predicted;
         self.py += predicted * measured;
+        self.yy += measured * measured;
+    }
+
+    /// Sum of squared residuals through a sensor.
+    fn squares(&self, gain: f64, bias: f64) -> f64 {
+        self.yy + gain * gain * self.pp + self.n * bias * bias
+            - 2.0 * (gain * self.py + bias * self.y - gain * bias * self.p)
     }
 }
 
@@ -38,7 +47,9 @@ pub struct Sensor {
     pub gain: f64,
     /// Standard error of the gain for given model parameters and white noise; 0 if it is fixed.
     pub gain_std: f64,
-    /// The gain lies on its limit of [`SensorPrior::GAIN_LIMIT`] standard deviations.
+    /// The gain is held at its limit of [`SensorPrior::GAIN_LIMIT`] standard deviations, and beyond it the cost
+    /// would be clearly less: by more than the mean squared residual. (Where it would hardly be less, a search
+    /// must know that the gain can move back together with the model's own scale, which the data do not feel.)
     pub gain_at_limit: bool,
     /// Common bias, in the channel's unit.
     pub bias: f64,
@@ -101,7 +112,7 @@ pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, 
             gain_std = cholesky.solve(&unit)[0].max(0.0).sqrt();
         }
         if solution[0].abs() > limit && !fixed {
-            at_limit = true;
+            let beyond = (solution[0].abs() - limit) / gain_std;
             let held = limit.copysign(solution[0]);
             for k in 1..size {
                 rhs[k] -= a[(k, 0)] * held;
@@ -113,6 +124,12 @@ pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, 
             if let Some(cholesky) = a.cholesky() {
                 solution = cholesky.solve(&rhs);
             }
+            let (mut squares, mut rows) = (0.0, 0.0);
+            for (i, (_, s)) in sums.iter().enumerate() {
+                squares += weight * s.squares(1.0 + solution[0], solution[2 + i]);
+                rows += s.n;
+            }
+            at_limit = 0.5 * beyond * beyond > (squares / f64::max(rows, 1.0)).max(1.0);
         }
     }
     let run_bias: Vec<(usize, f64)> =
