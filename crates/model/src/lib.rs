@@ -68,6 +68,13 @@ pub trait Model: fmt::Debug + Send + Sync {
     fn predict(&self, values: &[f64], record: &Record, channels: &[String])
     -> Result<Prediction, ModelError>;
 
+    /// A copy that may be quicker and less exact: it integrates with no more than about so many steps per
+    /// sampling period. A search looks around with it; what it finds is fitted again and judged with the model
+    /// itself. A model that has nothing to save returns an exact copy.
+    fn coarser(&self, _steps_per_sample: f64) -> Box<dyn Model> {
+        self.clone_box()
+    }
+
     /// A copy behind a new box.
     fn clone_box(&self) -> Box<dyn Model>;
 }

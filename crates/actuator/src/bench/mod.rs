@@ -95,6 +95,8 @@ pub struct BenchModel {
     spec: Arc<ActuatorSpec>,
     bench: Bench,
     step_s: f64,
+    /// Fewer steps than that per sampling period, where a search is content with them.
+    steps_per_sample: Option<f64>,
     parameters: Vec<Parameter>,
     included: Vec<Included>,
     own: Vec<Arc<dyn Effect>>,
@@ -129,6 +131,7 @@ impl BenchModel {
             spec: Arc::new(spec),
             bench,
             step_s: DEFAULT_STEP_S,
+            steps_per_sample: None,
             parameters,
             included: Vec::new(),
             own,
@@ -324,10 +327,9 @@ impl BenchModel {
         let span = record.time_s[record.len() - 1] - record.time_s[0];
         let period_s = span / (record.len() - 1) as f64;
         // A smooth command needs no finer steps than its own band, for the linear part is exact.
-        let step_s = match record.hold {
-            InputHold::BandLimited => self.step_s.max(period_s / SMOOTH_STEPS_PER_PERIOD),
-            _ => self.step_s,
-        };
+        let enough = (record.hold == InputHold::BandLimited).then_some(SMOOTH_STEPS_PER_PERIOD);
+        let fewer = [enough, self.steps_per_sample].into_iter().flatten().map(|n| period_s / n);
+        let step_s = fewer.fold(self.step_s, f64::max);
         let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
@@ -400,6 +402,10 @@ impl Model for BenchModel {
         let events = self.spec.spring_limits().over_run(start_s, step_s, &trace.force_1);
         let sensed = channel::sense(&plant, trace, arm_m, nominal_stiffness, &record.time_s, channels);
         Ok(Prediction { events: events.iter().map(ToString::to_string).collect(), ..sensed })
+    }
+
+    fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
+        Box::new(Self { steps_per_sample: Some(steps_per_sample), ..self.clone() })
     }
 
     fn clone_box(&self) -> Box<dyn Model> {

@@ -233,7 +233,7 @@ fn finished(
         }
     }
     let fit = best.ok_or_else(|| bad_input("no effect was named"))?;
-    Ok(Candidate { effects: effects.to_vec(), model, fit, validation: candidate.validation })
+    Ok(Candidate::exactly(effects.to_vec(), model, fit))
 }
 
 /// The model file with the effects and the fitted values.

@@ -223,7 +223,7 @@ fn effects(data: &Data, model: &dyn Model, base: &Fit) -> Vec<EffectCheck> {
         .collect();
     let tried: Vec<usize> = (0..cards.len()).filter(|&i| simulated[i].is_some()).collect();
     let changed: Vec<&[Prediction]> = simulated.iter().filter_map(|p| p.as_deref()).collect();
-    let signatures = Signatures::new(data, base, &changed);
+    let signatures = Signatures::new(data, base, &base.evaluation.predictions, &changed);
     let place = |i: usize| tried.iter().position(|&t| t == i);
     (0..cards.len())
         .map(|i| {

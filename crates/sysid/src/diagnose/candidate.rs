@@ -20,6 +20,8 @@ pub struct Candidate {
     pub fit: Fit,
     /// How it predicts what was left out.
     pub validation: Validation,
+    /// Whether the model was integrated as exactly as it can be; a search is content with less.
+    pub exact: bool,
 }
 
 /// Prediction errors on left-out stretches of the fit runs.
@@ -44,7 +46,14 @@ impl Candidate {
     #[must_use]
     pub fn of_base(base: &dyn Model, fit: Fit) -> Self {
         let validation = validate(&fit);
-        Self { effects: Vec::new(), model: base.clone_box(), fit, validation }
+        Self { effects: Vec::new(), model: base.clone_box(), fit, validation, exact: false }
+    }
+
+    /// A set that was fitted with the model itself.
+    #[must_use]
+    pub fn exactly(effects: Vec<String>, model: Box<dyn Model>, fit: Fit) -> Self {
+        let validation = validate(&fit);
+        Self { effects, model, fit, validation, exact: true }
     }
 
     /// Fits the base model with these effects, from the given values where a parameter's name is known and
@@ -73,7 +82,7 @@ impl Candidate {
         };
         let fit = fit(data, model.as_ref(), &options)?;
         let validation = validate(&fit);
-        Ok(Self { effects: effects.to_vec(), model, fit, validation })
+        Ok(Self { effects: effects.to_vec(), model, fit, validation, exact: false })
     }
 
     /// Fitted values by the parameters' names.

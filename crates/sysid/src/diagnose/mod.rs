@@ -114,6 +114,9 @@ pub fn noise_floor(campaign: &Campaign) -> f64 {
     if squares.is_empty() { 1.0 } else { stats::mean(&squares).sqrt().max(1.0) }
 }
 
+/// Integration steps per sampling period in the search; what it finds is fitted again with the model itself.
+const STEPS_PER_SAMPLE: f64 = 4.0;
+
 /// Diagnoses a campaign with a base model.
 ///
 /// # Errors
@@ -128,14 +131,16 @@ pub fn diagnose(
     let data = Data::new(campaign, Some(Role::Fit), base)?;
     let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
     progress(Progress::Base);
-    let base_fit = fit::fit(&data, base, &FitOptions::default())?;
+    let coarse = base.coarser(STEPS_PER_SAMPLE);
+    let base_fit = fit::fit(&data, coarse.as_ref(), &FitOptions::default())?;
     let seen = data.excitation(&base_fit.evaluation.predictions);
     let admitted: Vec<String> = base.effects(&seen).into_iter().map(|c| c.id).collect();
     let floor = options.floor.unwrap_or_else(|| noise_floor(campaign));
-    let first = Candidate::of_base(base, base_fit);
+    let first = Candidate::of_base(coarse.as_ref(), base_fit);
     let search = search::Search {
         data: &data,
-        base,
+        base: coarse.as_ref(),
+        exact: base,
         seen: &seen,
         admitted,
         options,

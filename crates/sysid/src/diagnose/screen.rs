@@ -11,6 +11,9 @@ use crate::fit::{Difference, FitOptions, Signatures, fit};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Prediction, Scale};
 
+/// Integration steps per sampling period: enough to tell what is promising.
+const STEPS_PER_SAMPLE: f64 = 2.0;
+
 /// Signatures that are taken together: bounds the memory that they need.
 const TOGETHER: usize = 8;
 
@@ -48,11 +51,15 @@ pub fn screen(
         .flat_map(|(c, card)| combinations(&card.parameters, most_starts).into_iter().map(move |s| (c, s)))
         .collect();
     let mut found: Vec<Vec<(f64, Vec<f64>)>> = vec![Vec::new(); cards.len()];
+    let coarse = beside.model.coarser(STEPS_PER_SAMPLE);
+    // What cannot be simulated coarsely promises nothing.
+    let unchanged = data.predict(coarse.as_ref(), &beside.fit.values).unwrap_or_default();
+    let jobs = if unchanged.is_empty() { Vec::new() } else { jobs };
     for chunk in jobs.chunks(TOGETHER) {
         let predicted: Vec<Option<Vec<Prediction>>> = chunk
             .par_iter()
             .map(|(c, start)| {
-                let model = beside.model.with_effect(&cards[*c].id, seen).ok()?;
+                let model = coarse.with_effect(&cards[*c].id, seen).ok()?;
                 let mut values = beside.fit.values.clone();
                 values.extend_from_slice(start);
                 data.predict(model.as_ref(), &values).ok()
@@ -63,7 +70,7 @@ pub fn screen(
         if columns.is_empty() {
             continue;
         }
-        let signatures = Signatures::new(data, &beside.fit, &columns);
+        let signatures = Signatures::new(data, &beside.fit, &unchanged, &columns);
         for (column, &job) in there.iter().enumerate() {
             let (c, start) = &chunk[job];
             let (stiffness, slope) = (signatures.gram[(column, column)], signatures.gradient[column]);

@@ -3,7 +3,7 @@
 
 use super::compare::{clearly_better, gain};
 use super::screen::{Promise, addable, race_periodic, screen};
-use super::{Candidate, Options, Progress};
+use super::{Candidate, Options, Progress, Validation, with_effects};
 use crate::data::Data;
 use crate::fit::{FitOptions, fit};
 use rayon::prelude::*;
@@ -20,12 +20,18 @@ pub struct Found {
     pub tied: Vec<usize>,
     /// What screening promised of each effect beside the base model.
     pub promises: Vec<Promise>,
+    /// How the base model predicts what was left out, as exactly as the search was: what the sets that were not
+    /// fitted again compare with.
+    pub base_as_searched: Validation,
 }
 
 /// The search's state.
 pub(super) struct Search<'a> {
     pub data: &'a Data<'a>,
+    /// The base model as the search integrates it.
     pub base: &'a dyn Model,
+    /// The base model itself.
+    pub exact: &'a dyn Model,
     pub seen: &'a Excitation,
     /// Effects to choose from, in the catalogue's order.
     pub admitted: Vec<String>,
@@ -46,6 +52,10 @@ const FINAL_STEPS: usize = 20;
 /// Costs that differ by less are equal: a likelihood ratio of e^10 is decisive.
 const EQUAL_COST: f64 = 10.0;
 
+/// Error on left-out stretches as a ratio of the floor below which nothing is looked for: a stated noise is
+/// rounded, an encoder's quantum is not quite noise, and the search's steps are coarse.
+const AT_FLOOR: f64 = 1.01;
+
 /// A set to be fitted, and where from.
 struct Plan {
     effects: Vec<String>,
@@ -61,6 +71,9 @@ impl Search<'_> {
         let mut best = 0;
         let mut frontier = vec![0];
         for size in 1..=self.options.most_effects {
+            if self.at_floor(best) {
+                break;
+            }
             let mut plans = Vec::new();
             for &from in &frontier {
                 let found = self.screen_beside(from, size);
@@ -86,9 +99,6 @@ impl Search<'_> {
                 // second brought something.
                 break;
             }
-            if self.at_floor(best) {
-                break;
-            }
             frontier = self.frontier(fitted, size);
         }
         for _ in 0..2 {
@@ -101,14 +111,19 @@ impl Search<'_> {
         }
         let (chosen, tied) = self.ties(best);
         let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
-        self.tried[chosen] = self.polished(settled);
-        Found { tried: self.tried, chosen, tied, promises }
+        self.tried[chosen] = settled;
+        let base_as_searched = self.tried[0].validation.clone();
+        for i in [0, chosen] {
+            if !self.tried[i].exact {
+                self.tried[i] = self.polished(&self.tried[i]);
+            }
+        }
+        Found { tried: self.tried, chosen, tied, promises, base_as_searched }
     }
 
     /// Whether nothing is left to explain.
     fn at_floor(&self, index: usize) -> bool {
-        let left = self.tried[index].validation.mean_square() - self.floor * self.floor;
-        left < super::compare::WORTH_SQUARED_NOISE * self.floor * self.floor
+        self.tried[index].validation.mean_square().sqrt() <= AT_FLOOR * self.floor
     }
 
     fn screen_beside(&mut self, from: usize, size: usize) -> Vec<Promise> {
@@ -233,14 +248,16 @@ impl Search<'_> {
         all.into_iter().find(|c| c.fit.cost <= least + equal).unwrap_or(candidate)
     }
 
-    /// The candidate fitted to the end, with derivatives good enough for standard errors.
-    fn polished(&self, candidate: Candidate) -> Candidate {
+    /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors.
+    fn polished(&self, candidate: &Candidate) -> Candidate {
         let options =
             FitOptions { start: Some(candidate.fit.values.clone()), starts: 1, ..FitOptions::default() };
-        match fit(self.data, candidate.model.as_ref(), &options) {
-            Ok(fit) if fit.cost <= candidate.fit.cost => Candidate { fit, ..candidate },
-            _ => candidate,
-        }
+        with_effects(self.exact, &candidate.effects, self.seen)
+            .and_then(|model| fit(self.data, model.as_ref(), &options).map(|fit| (model, fit)))
+            .map_or_else(
+                |_| candidate.clone(),
+                |(model, fit)| Candidate::exactly(candidate.effects.clone(), model, fit),
+            )
     }
 
     /// A candidate whose fit has converged, if it can.

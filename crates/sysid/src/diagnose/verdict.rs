@@ -88,7 +88,8 @@ pub(super) fn judge(holdout: &Data, found: &Found, floor: f64) -> Result<Verdict
     let judged = |index: usize, evaluation: &Evaluation| {
         let c = &found.tried[index];
         let left = c.validation.mean_square().max(1.0);
-        let fall = base.validation.mean_square() - c.validation.mean_square();
+        let compared = if c.exact { &base.validation } else { &found.base_as_searched };
+        let fall = compared.mean_square() - c.validation.mean_square();
         Judged {
             index,
             holdout_error: evaluation.rms,

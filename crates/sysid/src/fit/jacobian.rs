@@ -91,9 +91,15 @@ impl Directions {
         }
         // In units of each coordinate's own step, so that the eigenvectors do not depend on the scales.
         let m = inner.len();
+        if m < 2 {
+            return Self { back: Self::back(&moves), moves };
+        }
         let size: Vec<f64> = inner.iter().map(|&k| moves[k][k]).collect();
         let of = |a: &DMatrix<f64>| DMatrix::from_fn(m, m, |i, j| a[(inner[i], inner[j])] * size[i] * size[j]);
         let (own, bare) = (of(&own), of(&bare));
+        if own.iter().any(|v| !v.is_finite()) {
+            return Self::first(coordinates);
+        }
         let eigen = own.symmetric_eigen();
         for (j, &k) in inner.iter().enumerate() {
             let v = eigen.eigenvectors.column(j);

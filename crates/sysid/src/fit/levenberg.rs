@@ -130,12 +130,7 @@ impl Search {
             if promised < enough {
                 break;
             }
-            let values = coordinates.values(&moved, &self.evaluation.values);
-            let tried = data.evaluate(model, &values).ok();
-            let cost = tried.as_ref().map_or(f64::INFINITY, |e| e.cost + coordinates.prior_cost(&values));
-            let gained = self.cost - cost;
-            if let Some(evaluation) = tried.filter(|_| gained > 0.0) {
-                (self.u, self.evaluation, self.cost) = (moved, evaluation, cost);
+            if let Some(gained) = self.accept(data, model, coordinates, moved, enough) {
                 // A step that kept its promise deserves more trust. Valleys that only a prior closes are
                 // a million times flatter than their walls: damping must be able to vanish.
                 let kept = gained / promised;
@@ -148,15 +143,87 @@ impl Search {
                     _ => 4.0,
                 };
                 self.damping = self.damping.max(1e-12);
-                self.converged = gained < enough;
                 return;
             }
             self.damping = (self.damping * 30.0).max(1e-10);
+        }
+        if self.difference == Difference::Central && self.along_valleys(data, model, coordinates, (a, g), enough) {
+            self.damping = 1e-3;
+            return;
         }
         // Nothing helps, as far as forward differences can tell.
         self.damping = 1e-3;
         self.converged = self.difference == Difference::Central;
         self.difference = Difference::Central;
+    }
+}
+
+/// Most of the flattest directions that are tried together.
+const VALLEYS: usize = 5;
+
+impl Search {
+    /// Steps along the flattest directions alone, one, then two of them, and so on: where the walls of a valley are
+    /// rough (friction that sticks and slips), every step that also touches the walls fails, and the search would
+    /// rest wherever it entered the valley. Returns whether one helped.
+    fn along_valleys(
+        &mut self,
+        data: &Data,
+        model: &dyn Model,
+        coordinates: &Coordinates,
+        (a, g): (&DMatrix<f64>, &DVector<f64>),
+        enough: f64,
+    ) -> bool {
+        let moving: Vec<usize> = (0..self.u.len())
+            .filter(|&k| a[(k, k)] > 1e-9 && coordinates.bound(k, self.u[k]).is_none())
+            .collect();
+        let n = moving.len();
+        let scale: Vec<f64> = moving.iter().map(|&k| a[(k, k)].sqrt()).collect();
+        let scaled = DMatrix::from_fn(n, n, |i, j| a[(moving[i], moving[j])] / (scale[i] * scale[j]));
+        if n < 2 || scaled.iter().any(|v| !v.is_finite()) {
+            return false;
+        }
+        let eigen = scaled.symmetric_eigen();
+        let mut order: Vec<usize> = (0..n).filter(|&j| eigen.eigenvalues[j] > 0.0).collect();
+        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        let slope = DVector::from_fn(n, |i, _| g[moving[i]] / scale[i]);
+        let mut step = DVector::<f64>::zeros(n);
+        for &j in order.iter().take(VALLEYS.min(n - 1)) {
+            let direction = eigen.eigenvectors.column(j);
+            step -= direction * (direction.dot(&slope) / eigen.eigenvalues[j]);
+            let mut moved = self.u.clone();
+            for (i, &k) in moving.iter().enumerate() {
+                let wanted = self.u[k] + step[i] / scale[i];
+                moved[k] = coordinates.coordinate(k, coordinates.value(k, wanted));
+            }
+            if -0.5 * step.dot(&slope) < enough {
+                continue;
+            }
+            if self.accept(data, model, coordinates, moved, enough).is_some() {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Goes there if the cost falls, and returns by how much; by less than `enough`, the search has converged.
+    fn accept(
+        &mut self,
+        data: &Data,
+        model: &dyn Model,
+        coordinates: &Coordinates,
+        moved: Vec<f64>,
+        enough: f64,
+    ) -> Option<f64> {
+        let values = coordinates.values(&moved, &self.evaluation.values);
+        let evaluation = data.evaluate(model, &values).ok()?;
+        let cost = evaluation.cost + coordinates.prior_cost(&values);
+        let gained = self.cost - cost;
+        if gained <= 0.0 || gained.is_nan() {
+            return None;
+        }
+        (self.u, self.evaluation, self.cost) = (moved, evaluation, cost);
+        self.converged = gained < enough;
+        Some(gained)
     }
 }
 

@@ -24,9 +24,10 @@ pub struct Signatures {
 }
 
 impl Signatures {
-    /// Signatures of `changed` predictions, each for all runs, against the fit's own.
+    /// Signatures of `changed` predictions, each for all runs, against those of the unchanged model: the fit's
+    /// own, or others at the fit's values that are as exact as the changed ones.
     #[must_use]
-    pub fn new(data: &Data, fit: &Fit, changed: &[&[Prediction]]) -> Self {
+    pub fn new(data: &Data, fit: &Fit, unchanged: &[Prediction], changed: &[&[Prediction]]) -> Self {
         let at = &fit.evaluation;
         let raw: Vec<JacobianBlock> = at
             .blocks
@@ -36,7 +37,7 @@ impl Signatures {
                 let name = &run.names[block.slot];
                 let channel = block.channel;
                 let factor = -at.sensors[channel].gain / data.channels[channel].noise_std;
-                let base = at.predictions[block.run].output(name).unwrap_or(&[]);
+                let base = unchanged[block.run].output(name).unwrap_or(&[]);
                 let columns = changed
                     .iter()
                     .map(|p| match p[block.run].output(name) {

@@ -167,7 +167,7 @@ fn a_missing_effect_is_seen_in_its_signature() {
     let mut values = base.values.clone();
     values.push(1e-4);
     let changed = data.predict(&*with, &values).unwrap();
-    let signatures = Signatures::new(&data, &base, &[&changed]);
+    let signatures = Signatures::new(&data, &base, &base.evaluation.predictions, &[&changed]);
     let (drop, amplitude) = signatures.drop(&[0]);
     // Linear in the amplitude, so that screening is all but exact: 5e-5 is half the guess.
     assert!(drop > 10.0 && (amplitude[0] - 0.5).abs() < 0.1, "{drop} {amplitude:?}");
