@@ -13,10 +13,12 @@ impl Effect for CommandQuantisation {
     fn card(&self, setting: &Setting) -> EffectCard {
         let peak = setting.command();
         let unit = if setting.force_per_command == 1.0 { ("count", "") } else { ("count_a", "A") };
-        // The error left by a count is rugged in it: many starts, spaced by what a count distinguishes.
-        let starts = (1..=72).map(|i| peak * 0.5 * 10.0_f64.powf(-f64::from(i) / 24.0));
+        // The error left by a count is rugged in it: many starts. A drive that resolves fewer than ten counts of
+        // what it was used for is none.
+        let most = 0.1 * peak;
+        let starts = (1..=72).map(|i| most * 10.0_f64.powf(-f64::from(i) / 24.0));
         let parameters = vec![
-            with_neutral(with_starts(magnitude(unit.0, unit.1, 0.5 * peak, 1e-5 * peak, peak), starts), 0.0),
+            with_neutral(with_starts(magnitude(unit.0, unit.1, most, 1e-4 * most, most), starts), 0.0),
             with_starts(Parameter { typical: 0.3, ..Parameter::new("rounding", "", 0.0, 0.0, 1.0) }, [1.0]),
         ];
         EffectCard {

@@ -6,8 +6,12 @@ use crate::fit::{Difference, Fit, FitOptions, dot, fit};
 use nalgebra::{DMatrix, DVector};
 use sealegs_model::{Excitation, Model};
 
-/// Stretches of each run that are left out one at a time.
+/// Stretches of each run that are left out one at a time, where the runs are few; else whole runs are: what
+/// holds only at one amplitude must not hold up.
 const STRETCHES: usize = 6;
+
+/// From so many runs on whole runs are left out.
+const ENOUGH_RUNS: usize = 3;
 
 /// A fitted set of effects.
 #[derive(Debug, Clone)]
@@ -123,7 +127,7 @@ pub fn values_by_name(model: &dyn Model, known: &[(String, f64)]) -> Vec<f64> {
     model.parameters().iter().map(|p| value(&p.name).unwrap_or(p.value)).collect()
 }
 
-/// Leaves out one stretch of one run at a time and predicts it with the parameters that the rest would have
+/// Leaves out one stretch of one run at a time, or one run, and predicts it with the parameters that the rest would have
 /// given: one Gauss-Newton step from the fit to everything, which is exact where the residual is linear in
 /// the parameters.
 fn validate(fit: &Fit) -> Validation {
@@ -135,9 +139,10 @@ fn validate(fit: &Fit) -> Validation {
         let blocks: Vec<usize> =
             (0..fit.evaluation.blocks.len()).filter(|&b| fit.evaluation.blocks[b].run == run).collect();
         let rows = blocks.iter().map(|&b| fit.evaluation.blocks[b].residual.len()).max().unwrap_or(0);
-        for stretch in 0..STRETCHES {
-            let from = rows * stretch / STRETCHES;
-            let to = rows * (stretch + 1) / STRETCHES;
+        let parts = if runs >= ENOUGH_RUNS { 1 } else { STRETCHES };
+        for stretch in 0..parts {
+            let from = rows * stretch / parts;
+            let to = rows * (stretch + 1) / parts;
             let mut left = fit.normal.clone();
             let mut gradient = DVector::<f64>::zeros(p);
             for &b in &blocks {

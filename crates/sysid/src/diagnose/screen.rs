@@ -45,11 +45,68 @@ pub fn screen(
     cards: &[EffectCard],
     most_starts: usize,
 ) -> Vec<Promise> {
-    let jobs: Vec<(usize, Vec<f64>)> = cards
-        .iter()
-        .enumerate()
-        .flat_map(|(c, card)| combinations(&card.parameters, most_starts).into_iter().map(move |s| (c, s)))
-        .collect();
+    let starts = cards.iter().map(|card| combinations(&card.parameters, most_starts)).collect();
+    let mut promises = screen_starts(data, beside, seen, cards, starts);
+    for (card, promise) in cards.iter().zip(&mut promises) {
+        refine_rugged(data, beside, seen, card, promise);
+    }
+    promises
+}
+
+/// A parameter with more starts than that is rugged: its error has a narrow valley at the truth and many beside it.
+const RUGGED_STARTS: usize = 24;
+
+/// Scans around the best starts of a rugged parameter: half-width as a ratio and points to each side, from coarse
+/// to fine.
+const SCANS: [(f64, i32); 2] = [(0.06, 20), (0.003, 8)];
+
+/// Starts that are scanned around.
+const SCANNED: usize = 2;
+
+fn refine_rugged(
+    data: &Data,
+    beside: &Candidate,
+    seen: &Excitation,
+    card: &EffectCard,
+    promise: &mut Promise,
+) {
+    let rugged = card.parameters.iter().position(|p| {
+        p.starts.len() >= RUGGED_STARTS && p.scale == Scale::Logarithmic && p.neutral.is_some()
+    });
+    let Some(rugged) = rugged.filter(|_| promise.drop > 0.0) else { return };
+    for (width, points) in SCANS {
+        let starts: Vec<Vec<f64>> = promise
+            .starts
+            .iter()
+            .take(SCANNED)
+            .flat_map(|(_, start)| {
+                (-points..=points).filter(|i| *i != 0).map(move |i| {
+                    let mut values: Vec<f64> = start.iter().map(|(_, v)| *v).collect();
+                    values[rugged] *= 1.0 + width * f64::from(i) / f64::from(points);
+                    values
+                })
+            })
+            .filter(|v| (card.parameters[rugged].min..=card.parameters[rugged].max).contains(&v[rugged]))
+            .collect();
+        let found = screen_starts(data, beside, seen, std::slice::from_ref(card), vec![starts]);
+        for found in found {
+            promise.starts.extend(found.starts);
+        }
+        promise.starts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        promise.drop = promise.starts[0].0;
+    }
+}
+
+/// As [`screen`], from these starts of each effect.
+fn screen_starts(
+    data: &Data,
+    beside: &Candidate,
+    seen: &Excitation,
+    cards: &[EffectCard],
+    starts: Vec<Vec<Vec<f64>>>,
+) -> Vec<Promise> {
+    let jobs: Vec<(usize, Vec<f64>)> =
+        starts.into_iter().enumerate().flat_map(|(c, all)| all.into_iter().map(move |s| (c, s))).collect();
     let mut found: Vec<Vec<(f64, Vec<f64>)>> = vec![Vec::new(); cards.len()];
     let coarse = beside.model.coarser(STEPS_PER_SAMPLE);
     // What cannot be simulated coarsely promises nothing.

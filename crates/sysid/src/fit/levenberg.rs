@@ -147,7 +147,9 @@ impl Search {
             }
             self.damping = (self.damping * 30.0).max(1e-10);
         }
-        if self.difference == Difference::Central && self.along_valleys(data, model, coordinates, (a, g), enough) {
+        if self.difference == Difference::Central
+            && self.along_valleys(data, model, coordinates, (a, g), enough)
+        {
             self.damping = 1e-3;
             return;
         }

@@ -160,15 +160,20 @@ pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, 
     }
 }
 
+/// Fewest rows that make a quiet start: a command that is excited from the beginning keeps its first value for
+/// a row or two, and the rig may be in full motion.
+const QUIET_ROWS: usize = 10;
+
 /// Number of rows at the very beginning of a run during which the command keeps its first value and the
-/// prediction of a channel stays within a tenth of its noise.
+/// prediction of a channel stays within a tenth of its noise; 0 if they are too few to show rest.
 ///
 /// The row at which the command first differs still belongs to it: the command has only just gone out.
 #[must_use]
 pub fn quiet_start(input: &[f64], predicted: &[f64], noise_std: f64) -> usize {
     let (Some(&first), Some(&rest)) = (input.first(), predicted.first()) else { return 0 };
     let changed = input.iter().position(|&u| u != first).map_or(0, |i| i + 1);
-    predicted.iter().take(changed).take_while(|&&p| (p - rest).abs() <= 0.1 * noise_std).count()
+    let quiet = predicted.iter().take(changed).take_while(|&&p| (p - rest).abs() <= 0.1 * noise_std).count();
+    if quiet < QUIET_ROWS { 0 } else { quiet }
 }
 
 /// The bias with which a held-out run is judged: its quiet start weighed against the common bias.
