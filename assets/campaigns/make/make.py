@@ -240,8 +240,8 @@ def main():
             continue
         start = time.time()
         answers[name] = make(name, spec, out)
+        write_answers(answers, out, shipped)
         print(f"{name}: {len(spec['runs'])} runs, {time.time() - start:.0f} s", flush=True)
-    write_answers(answers, out, shipped)
 
 
 if __name__ == "__main__":

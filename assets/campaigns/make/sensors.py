@@ -7,10 +7,11 @@ import numpy as np
 # unit suffix or channel -> noise (one standard deviation), count, spread of gain, spread of bias, decimals in the file
 LEG_SENSORS = {
     "force": dict(noise=2.0, count=0.0, gain=0.01, bias=3.0, decimals=1),
-    "foot.normal_force_n": dict(noise=6.0, count=0.0, gain=0.01, bias=5.0, decimals=1),
-    "current_a": dict(noise=0.004, count=0.0, gain=0.0, bias=0.0, decimals=3),
-    "rotor_angle_rad": dict(noise=0.0, count=2.0 * math.pi / 4096, gain=0.0, bias=0.0, decimals=4),
-    "angle_rad": dict(noise=5e-5, count=2.0 * math.pi / 65536, gain=0.0, bias=1e-3, decimals=5),
+    "foot.normal_force_n": dict(noise=10.0, count=0.0, gain=0.01, bias=5.0, decimals=1),
+    "current_a": dict(noise=0.01, count=0.0, gain=0.0, bias=0.0, decimals=3),
+    # A leg's rotors: Hall sensors interpolated; a bench has an encoder.
+    "rotor_angle_rad": dict(noise=0.02, count=2.0 * math.pi / 256, gain=0.0, bias=0.0, decimals=3),
+    "angle_rad": dict(noise=1e-4, count=2.0 * math.pi / 16384, gain=0.0, bias=1e-3, decimals=5),
     "base.height_m": dict(noise=1e-4, count=0.0, gain=0.002, bias=5e-4, decimals=5),
 }
 BENCH_SENSORS = {
