@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release -p sealegs-leg --example channels -- SCENARIO [key=value ...]`
 
-use sealegs_leg::{Channels, run};
 use sealegs_leg::scenario::Scenario;
+use sealegs_leg::{Channels, run};
 use std::io::Write;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
