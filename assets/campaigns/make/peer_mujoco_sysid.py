@@ -1,7 +1,7 @@
 """The same pendulum campaigns for a peer, MuJoCo's system identification toolbox `mujoco.sysid`, and for `sealegs diagnose`.
 
     venv/bin/python make.py --set peer -o DIR
-    venv/bin/python peer_mujoco_sysid.py DIR PATH-TO-SEALEGS > peer.md
+    venv/bin/python peer_mujoco_sysid.py DIR PATH-TO-SEALEGS > peer.md       (without the program: the peer's lines alone)
 
 The peer gets the model that its careful user would build, and nothing of the base physics is kept from it: a joint of the motor
 with armature, damping and a gear, a joint of the spring with stiffness (and the sprung mass as its armature), the pendulum behind
@@ -11,10 +11,13 @@ MuJoCo's `frictionloss` of the motor's joint free as well, which is the one of t
 Intervals are `calculate_intervals` at 95 %; those of sealegs are value +- 1.96 standard errors.
 """
 
+import contextlib
 import datetime
+import io
 import json
 import logging
 import math
+import os
 import pathlib
 import platform
 import subprocess
@@ -166,7 +169,7 @@ def sequence(spec, controls, sensors, state, names):
 
 def fit(folder, answer, with_friction):
     """One identification by the peer: held-out error, parameters with half-widths, seconds."""
-    start = time.time()
+    start, cpu = time.time(), time.process_time()
     noise, runs = read(folder)
     spec = model_spec()
     groups = {}
@@ -176,13 +179,14 @@ def fit(folder, answer, with_friction):
     residual = Residual(noise)
     make = lambda role: sysid.build_residual_fn(models_sequences=[groups[role]], modify_residual=residual, n_threads=1)
     params = parameters(with_friction)
-    best, found = sysid.optimize(params, make("fit"), optimizer="mujoco", verbose=False, max_iters=60, x_scale="jac")
+    with contextlib.redirect_stdout(io.StringIO()):
+        best, found = sysid.optimize(params, make("fit"), optimizer="mujoco", verbose=False, max_iters=60, x_scale="jac")
     x = best.as_vector()
     at_best = make("fit")(x, best)[0]
     _, half = sysid.calculate_intervals(at_best, found.jac)
     rms = lambda role: math.sqrt(np.mean([np.sum(np.square(r)) for r in make(role)(x, best)[0]]))
     true = truth(answer)
-    return {"seconds": time.time() - start, "fit": rms("fit"), "holdout": rms("holdout"),
+    return {"seconds": time.time() - start, "cpu": time.process_time() - cpu, "fit": rms("fit"), "holdout": rms("holdout"),
             "parameters": [(name, value, width, true[name]) for name, value, width in zip(best.keys(), x, half)]}
 
 
@@ -191,13 +195,13 @@ def sealegs(program, folder, answer):
     scale = answer["scale"]["thor"]
     true = {"stiffness": NOMINAL.stiffness * scale["stiffness"], "reflected_inertia": NOMINAL.inertia * scale["inertia"],
             "damping": NOMINAL.damping * scale["damping"], "force_constant": NOMINAL.force_constant * scale["force_constant"]}
-    for values in answer["effects"].values():
-        true |= {key.removesuffix("_n").removesuffix("_m").removesuffix("_n"): value for key, value in values.items()} | values
+    true |= {f"{effect}.{key}": value for effect, values in answer["effects"].items() for key, value in values.items()}
     with tempfile.TemporaryDirectory() as scratch:
         out = pathlib.Path(scratch) / "out.json"
-        start = time.time()
+        start, before = time.time(), os.times()
         subprocess.run([program, "diagnose", str(folder), "--json", str(out)], check=True, capture_output=True)
-        seconds = time.time() - start
+        after = os.times()
+        seconds = time.time() - start, after.children_user + after.children_system - before.children_user - before.children_system
         said = json.loads(out.read_text())
     chosen = said["after"] or said["base"]
     return said, seconds, chosen, true
@@ -206,13 +210,13 @@ def sealegs(program, folder, answer):
 def covered(rows):
     inside = [name for name, value, half, true in rows if abs(value - true) <= half]
     missed = [f"{name} off by {abs(value - true) / half:.1f} half-widths" if half > 0 else f"{name} without interval"
-              for name, value, half, true in rows if name not in inside]
+              for name, value, half, true in rows if abs(value - true) > half]
     return f"{len(inside)} of {len(rows)}" + (f" ({', '.join(missed)})" if missed else "")
 
 
 def main():
     logging.disable(logging.WARNING)
-    folder, program = pathlib.Path(sys.argv[1]), sys.argv[2]
+    folder, program = pathlib.Path(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None
     answers = json.loads((folder / "answers.json").read_text())
     print(f"""# Side by side with a peer
 
@@ -220,7 +224,7 @@ Measured on {datetime.date.today()} with mujoco {mujoco.__version__} (`mujoco.sy
 {platform.python_version()}, by `peer_mujoco_sysid.py`; campaigns by `make.py --set peer`.
 Error: held-out runs, root mean square over all channels in units of the noise (1 is the floor). Intervals: 95 %.
 """)
-    print("| campaign | tool | held-out error | says | intervals that hold the truth | seconds |")
+    print("| campaign | tool | held-out error | says | intervals that hold the truth | seconds (of processor) |")
     print("|---|---|---|---|---|---|")
     for name, answer in answers.items():
         for label, with_friction in (("mujoco.sysid", False), ("mujoco.sysid, frictionloss free", True)):
@@ -229,14 +233,18 @@ Error: held-out runs, root mean square over all channels in units of the noise (
             if with_friction:
                 value, half = next((v, h) for n, v, h, _ in r["parameters"] if n == "frictionloss")
                 says = f"frictionloss {value:.3f} ± {half:.3f} N m (true {truth(answer)['frictionloss']:.3f})"
-            print(f"| {name} | {label} | {r['holdout']:.2f} | {says} | {covered(r['parameters'])} | {r['seconds']:.0f} |", flush=True)
+            print(f"| {name} | {label} | {r['holdout']:.2f} | {says} | {covered(r['parameters'])} | {r['seconds']:.0f} ({r['cpu']:.0f}) |", flush=True)
+        if program is None:
+            continue
         said, seconds, chosen, true = sealegs(program, folder / name, answer)
-        rows = [(p["name"], p["value"], 1.96 * (p["std"] or 0.0), true[key]) for p in chosen["parameters"]
-                if (key := p["name"].rsplit(".", 1)[-1].rsplit("/", 1)[-1]) in true]
+        rows = [(p["name"], p["value"], 1.96 * (p["std"] or 0.0), true[p["name"]]) for p in chosen["parameters"]
+                if p["name"] in true]
+        rows += [(f"gain {k['channel']}", k["gain"], 1.96 * k["gain_std"], answer["sensors"][k["channel"]]["gain"])
+                 for k in chosen["sensors"] if k["channel"] in answer["sensors"]]
         says = f"{said['verdict']}: {', '.join(said['effects']) or 'nothing missing'}"
         if said["indistinguishable"]:
             says += "; or " + ", ".join("+".join(s) for s in said["indistinguishable"])
-        print(f"| {name} | sealegs diagnose | {chosen['holdout_error']:.2f} | {says} | {covered(rows)} | {seconds:.0f} |", flush=True)
+        print(f"| {name} | sealegs diagnose | {chosen['holdout_error']:.2f} | {says} | {covered(rows)} | {seconds[0]:.0f} ({seconds[1]:.0f}) |", flush=True)
 
 
 if __name__ == "__main__":
