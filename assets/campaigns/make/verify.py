@@ -1,0 +1,93 @@
+"""What the simulator is worth: against the Rust program without effect and noise, and against itself at half the step.
+
+    cargo run --release -p sealegs-leg --example channels -- thor-drop > drop.csv
+    venv/bin/python verify.py against drop.csv thor-drop       greatest and rms difference of each channel, per cent of its range
+    venv/bin/python verify.py halve                            first run of each shipped campaign with its effect, 20 us against
+                                                               10 us, in units of the sensors' noise
+    venv/bin/python verify.py strength [SET]                   what the hidden effects change in it, in units of the noise
+"""
+
+import argparse
+import sys
+
+import numpy as np
+
+from campaigns import SETS
+from make import excitation, individual, run_bench, run_leg
+from robot import ASSETS, mujoco_leg, merged, read_toml
+from sensors import BENCH_SENSORS, LEG_SENSORS, Sensors
+from simulate import STEP_S
+
+ONE = dict.fromkeys(("stiffness", "inertia", "damping", "force_constant"), 1.0)
+
+
+def against(path, name):
+    """The nominal leg against a CSV of the Rust program's channels."""
+    with open(path, encoding="utf-8") as file:
+        header = file.readline().strip().split(",")
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    other = dict(zip(header, table.T))
+    scenario = read_toml(name if name.endswith(".toml") else ASSETS / "scenarios" / f"{name}.toml")
+    scenario = merged(scenario, {"duration_s": float(other["time_s"][-1])})
+    scales = {actuator: ONE for actuator in mujoco_leg(scenario).names}
+    time_s, mine = run_leg(scenario, scales, {})
+    if not np.allclose(time_s, other["time_s"], atol=1e-9):
+        sys.exit("the samples are at other times")
+    print(f"{'channel':28s} {'from':>10s} {'to':>10s} {'greatest %':>10s} {'rms %':>8s}")
+    for channel, values in mine.items():
+        span = np.ptp(values)
+        off = other[channel] - values
+        print(f"{channel:28s} {values.min():10.4f} {values.max():10.4f} {100 * np.abs(off).max() / span:10.3f} "
+              f"{100 * np.sqrt(np.mean(off**2)) / span:8.3f}")
+
+
+def first_run(spec, effects, step_s):
+    """The first run of a campaign without sensors."""
+    rng = np.random.default_rng(spec["seed"])
+    if spec["bench"] == "leg":
+        scales = individual(mujoco_leg(spec["runs"][0][2]).names, rng)
+        return run_leg(spec["runs"][0][2], scales, effects, step_s)[1]
+    scale = individual(["thor"], rng)["thor"]
+    time_s = np.arange(round(spec["duration_s"] * spec["rate_hz"]) + 1) / spec["rate_hz"]
+    return run_bench(np.round(excitation(spec["runs"][0][0], time_s, rng), 4), time_s, scale, effects, step_s)
+
+
+def compare(spec, one, two):
+    """Rms over all outputs and samples in units of noise, and the greatest difference with its channel."""
+    table = LEG_SENSORS if spec["bench"] == "leg" else BENCH_SENSORS
+    noise = Sensors(one, table, np.random.default_rng(0), spec.get("force_noise")).noise_std()
+    columns = [c for c in one if spec["bench"] == "leg" or c != "current_a"]
+    off = {c: np.abs(one[c] - two[c]) / noise[c] for c in columns}
+    worst = max(columns, key=lambda c: off[c].max())
+    return float(np.sqrt(np.mean(np.square(list(off.values()))))), (float(off[worst].max()), worst)
+
+
+def halve():
+    for name, spec in SETS["shipped"].items():
+        rms, worst = compare(spec, *(first_run(spec, spec["effects"], step) for step in (STEP_S, 0.5 * STEP_S)))
+        print(f"{name}: {STEP_S * 1e6:.0f} against {STEP_S * 5e5:.0f} us: rms {rms:.4f}, greatest {worst[0]:.3f} noise ({worst[1]})",
+              flush=True)
+
+
+def strength(which):
+    for name, spec in SETS[which].items():
+        if spec["effects"]:
+            rms, worst = compare(spec, first_run(spec, spec["effects"], STEP_S), first_run(spec, {}, STEP_S))
+            print(f"{name}: {' + '.join(spec['effects'])} changes rms {rms:.1f}, greatest {worst[0]:.0f} noise ({worst[1]})", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=("against", "halve", "strength"))
+    parser.add_argument("rest", nargs="*")
+    arguments = parser.parse_args()
+    if arguments.what == "against":
+        against(*arguments.rest)
+    elif arguments.what == "halve":
+        halve()
+    else:
+        strength(arguments.rest[0] if arguments.rest else "shipped")
+
+
+if __name__ == "__main__":
+    main()
