@@ -6,8 +6,22 @@ use std::time::Duration;
 
 /// Numbers that a reader must survive, whatever they stand for.
 const EXTREMES: [&str; 16] = [
-    "1e300", "-1e300", "1e-300", "nan", "-inf", "inf", "0", "-1", "0.0", "1e9", "-1e-9", "1e400", "4294967296",
-    "9223372036854775807", "\"\"", "[]",
+    "1e300",
+    "-1e300",
+    "1e-300",
+    "nan",
+    "-inf",
+    "inf",
+    "0",
+    "-1",
+    "0.0",
+    "1e9",
+    "-1e-9",
+    "1e400",
+    "4294967296",
+    "9223372036854775807",
+    "\"\"",
+    "[]",
 ];
 
 /// One change of a file; the numbers choose where.
@@ -121,11 +135,13 @@ fn words(bytes: &[u8], kind: impl Fn(u8) -> bool) -> Vec<std::ops::Range<usize>>
     words
 }
 
-/// Settings of a property test: this many cases, and no file of past failures (a found fault becomes a test
-/// of its own).
+/// Settings of a property test: this many cases, in proportion more or fewer with `PROPTEST_CASES` (256 is one),
+/// and no file of past failures (a found fault becomes a test of its own).
 #[must_use]
 pub fn cases(cases: u32) -> ProptestConfig {
-    ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(cases) }
+    let default = ProptestConfig::default();
+    let cases = (u64::from(cases) * u64::from(default.cases) / 256) as u32;
+    ProptestConfig { failure_persistence: None, cases, ..default }
 }
 
 /// What `read` returns, if it neither panics nor takes longer than ten seconds (it should take milliseconds;

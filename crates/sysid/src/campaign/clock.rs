@@ -116,7 +116,10 @@ pub(super) fn too_long(time_s: &[f64]) -> Option<String> {
     let steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
     let period = crate::stats::median(&steps);
     (span / period > MOST_PERIODS).then(|| {
-        format!("covers {span:.6e} s with a usual step of {period:.6e} s, more than {MOST_PERIODS:e} of them; {}", jump())
+        format!(
+            "covers {span:.6e} s with a usual step of {period:.6e} s, more than {MOST_PERIODS:e} of them; {}",
+            jump()
+        )
     })
 }
 

@@ -4,7 +4,7 @@ use super::Bench;
 use super::table::{Table, add_name, check_columns, check_length, later, sort};
 use crate::{Error, Place};
 use bytes::Bytes;
-use parquet::basic::{ConvertedType, LogicalType, Type as Physical};
+use parquet::basic::{Compression, ConvertedType, LogicalType, Type as Physical};
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::column::reader::{ColumnReaderImpl, get_column_reader, get_typed_column_reader};
 use parquet::data_type::{DataType, DoubleType, FloatType, Int32Type, Int64Type};
@@ -28,7 +28,8 @@ pub(super) fn parse(path: &Path, bytes: Bytes, bench: Bench) -> Result<Table, Er
         return Err(Error::bad(path, None, None, "is empty"));
     }
     let bytes = Arc::new(bytes);
-    let metadata = ParquetMetaDataReader::new().parse_and_finish(bytes.as_ref()).map_err(|e| broken(path, &e))?;
+    let metadata =
+        ParquetMetaDataReader::new().parse_and_finish(bytes.as_ref()).map_err(|e| broken(path, &e))?;
     let names = names(path, &metadata)?;
     check_columns(path, Place::Whole, &names, bench)?;
     let kinds = names
@@ -91,9 +92,10 @@ fn names(path: &Path, metadata: &ParquetMetaData) -> Result<Vec<String>, Error> 
 
 /// How many rows the file says that it has.
 fn rows(path: &Path, metadata: &ParquetMetaData, columns: usize) -> Result<usize, Error> {
-    let rows = metadata.row_groups().iter().try_fold(0usize, |sum, group| {
-        sum.checked_add(usize::try_from(group.num_rows()).ok()?)
-    });
+    let rows = metadata
+        .row_groups()
+        .iter()
+        .try_fold(0usize, |sum, group| sum.checked_add(usize::try_from(group.num_rows()).ok()?));
     rows.filter(|rows| rows.saturating_mul(columns) <= MOST_VALUES).ok_or_else(|| {
         let problem = format!("says that it holds more than {MOST_VALUES} numbers; cut the run into several");
         Error::bad(path, None, None, problem)
@@ -183,6 +185,11 @@ impl Column<'_> {
         let broken = |e: ParquetError| broken(self.path, &e);
         let rows = usize::try_from(self.group.num_rows()).unwrap_or(0);
         let chunk = self.group.column(self.index);
+        let codec = chunk.compression();
+        if !matches!(codec, Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::ZSTD(_)) {
+            let problem = format!("is packed with {codec}; of the codecs, snappy and zstd are read, or none");
+            return Err(Error::bad(self.path, None, Some(self.name), problem));
+        }
         let pages = SerializedPageReader::new(self.bytes.clone(), chunk, rows, None).map_err(broken)?;
         let pages = Box::new(Honest { pages, most: rows });
         let reader = get_column_reader(chunk.column_descr_ptr(), pages);
