@@ -1,5 +1,5 @@
 //! Damaged actuator and effect files: whatever the text, reading ends soon with a model that can be simulated
-//! without panic, or with one line that names the file.
+//! without panic, or with a message that names the file.
 
 use proptest::prelude::*;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
@@ -18,9 +18,9 @@ fn text(bytes: Vec<u8>) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-fn one_line_naming(file: &str, error: &ActuatorError) {
+fn names(file: &str, error: &ActuatorError) {
     let message = error.to_string();
-    assert!(message.contains(file) && !message.contains('\n'), "{message:?}");
+    assert!(message.contains(file), "{message:?}");
 }
 
 /// Simulates a tenth of a second of the model; a state that runs away is an error, not a panic.
@@ -61,7 +61,7 @@ proptest! {
                         simulate(&model);
                     }
                 }
-                Err(error) => one_line_naming("own.toml", &error),
+                Err(error) => names("own.toml", &error),
             }
         });
     }
@@ -78,7 +78,7 @@ proptest! {
                     simulate(model.as_ref());
                 }
             }
-            Err(error) => one_line_naming("own.toml", &error),
+            Err(error) => names("own.toml", &error),
         });
     }
 
@@ -86,7 +86,7 @@ proptest! {
     fn no_law_makes_the_reader_panic(law in "[a-c0-9+*/^().,eyFx_ -]{0,60}") {
         let text = OWN.replace("a*y_dot + b*abs(F_bs)*tanh(y_dot/v0)", &law);
         if let Err(error) = OwnEffect::from_toml(&text, "own.toml") {
-            one_line_naming("own.toml", &error);
+            names("own.toml", &error);
         }
     }
 }

@@ -88,3 +88,25 @@ fn a_file_that_is_no_parquet_is_refused() {
         assert!(message.contains("r.parquet") && message.contains(said), "{message}");
     }
 }
+
+/// The library that decodes Parquet panics on both; neither panic nor a second message may come of it.
+#[test]
+fn regress_a_file_whose_parts_contradict_each_other_is_refused() {
+    let good = std::fs::read(data("pyarrow_delta_split.parquet")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let description = "bench = \"locked\"\nactuator = \"a\"\n[[run]]\nfile = \"r.parquet\"\nrole = \"fit\"\n";
+    std::fs::write(folder.path().join("campaign.toml"), description).unwrap();
+    let mut contradicted = 0;
+    for at in 0..good.len() {
+        let mut bytes = good.clone();
+        // Signs and lengths are in the low bits of the format's numbers.
+        bytes[at] ^= 1;
+        std::fs::write(folder.path().join("r.parquet"), bytes).unwrap();
+        if let Err(error) = Campaign::read(folder.path()) {
+            let message = error.to_string();
+            assert!(message.contains("r.parquet") && !message.contains('\n'), "{message}");
+            contradicted += usize::from(message.contains("contradict"));
+        }
+    }
+    assert!(contradicted > 0, "the fence is no longer needed");
+}

@@ -10,6 +10,7 @@
 
 mod clock;
 mod csv_table;
+mod fence;
 mod file;
 mod noise;
 mod parquet_table;

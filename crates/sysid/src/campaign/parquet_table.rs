@@ -1,6 +1,7 @@
 //! A run's table as Parquet: the same columns as in CSV, as floating-point or integer numbers.
 
 use super::Bench;
+use super::fence::fenced;
 use super::table::{Table, add_name, check_columns, check_length, later, sort};
 use crate::{Error, Place};
 use bytes::Bytes;
@@ -24,6 +25,12 @@ const BATCH: usize = 65_536;
 
 /// Reads the bytes of a Parquet file.
 pub(super) fn parse(path: &Path, bytes: Bytes, bench: Bench) -> Result<Table, Error> {
+    fenced(|| decode(path, bytes, bench)).unwrap_or_else(|| {
+        Err(Error::bad(path, None, None, "is no readable Parquet file: its parts contradict each other"))
+    })
+}
+
+fn decode(path: &Path, bytes: Bytes, bench: Bench) -> Result<Table, Error> {
     if bytes.is_empty() {
         return Err(Error::bad(path, None, None, "is empty"));
     }
