@@ -17,10 +17,11 @@ const ARROWS: [(&str, &[&str]); 6] = [
 ];
 
 /// Libraries that only one crate may know.
-const OWNED: [(&str, &str); 4] = [
+const OWNED: [(&str, &str); 5] = [
     ("rerun", "sealegs-recorder"),
     ("rapier3d-f64", "sealegs-leg"),
     ("parry3d-f64", "sealegs-leg"),
+    ("parquet", "sealegs-sysid"),
     ("anyhow", "sealegs-cli"),
 ];
 

@@ -53,7 +53,9 @@ pub fn with_own_effects(
         .iter()
         .map(|path| OwnEffect::load(path).map(|effect| Arc::new(effect) as Arc<dyn Effect>).or_bad_input())
         .collect::<anyhow::Result<Vec<_>>>()?;
-    let model = BenchModel::with_own_effects(spec, bench, own).or_bad_input()?;
+    let file = model.unwrap_or(&campaign.file).display().to_string();
+    let model =
+        BenchModel::with_own_effects(spec, bench, own).map_err(|e| bad_input(format!("{file}: {e}")))?;
     campaign.check_against(&model as &dyn Model).or_bad_input()?;
     Ok(model)
 }

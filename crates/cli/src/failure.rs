@@ -43,7 +43,22 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     }) {
         return ExitCode::from(1);
     }
-    eprintln!("sealegs: {error:#}");
+    eprintln!("sealegs: {}", one_line(&format!("{error:#}")));
     let bad_input = error.chain().any(|e| e.downcast_ref::<BadInput>().is_some());
     ExitCode::from(if bad_input { 2 } else { 1 })
+}
+
+/// A message in one line: it may quote a file's text, line breaks and all.
+fn one_line(message: &str) -> String {
+    message.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quoted_line_break_does_not_break_the_message() {
+        assert_eq!(one_line("no link 'sh\nank\u{1b}[2J'"), "no link 'sh ank [2J'");
+    }
 }

@@ -13,10 +13,10 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 pub fn remove_unfinished_on_interrupt() {
     // Without the handler an interrupt still breaks no finished file, it only leaves a `.part` behind.
     let _ = ctrlc::set_handler(|| {
-        if let Ok(files) = UNFINISHED.lock() {
-            for file in files.iter() {
-                let _ = std::fs::remove_file(file);
-            }
+        // Held until the end, so that no new one is begun in between.
+        let files = UNFINISHED.lock();
+        for file in files.iter().flat_map(|files| files.iter()) {
+            let _ = std::fs::remove_file(file);
         }
         std::process::exit(130);
     });
@@ -45,9 +45,10 @@ impl Destination {
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(".part");
         let unfinished = path.with_file_name(name);
+        let files = UNFINISHED.lock();
         std::fs::File::create(&unfinished)
             .map_err(|e| bad_input(format!("{}: cannot be written: {e}", path.display())))?;
-        if let Ok(mut files) = UNFINISHED.lock() {
+        if let Ok(mut files) = files {
             files.push(unfinished.clone());
         }
         Ok(Self { path: path.to_owned(), unfinished: Some(unfinished) })

@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum Error {
     /// A file cannot be read, or holds something that the data contract does not admit.
-    #[error("{}: {problem}", place(.file, *.line, .column.as_deref()))]
+    #[error("{}: {problem}", place(.file, *.at, .column.as_deref()))]
     BadFile {
         /// The file.
         file: PathBuf,
-        /// The line, from 1, where one can be named.
-        line: Option<u64>,
+        /// Where in it, as far as that can be named.
+        at: Place,
         /// The column (of a table) or key (of `campaign.toml`), where one can be named.
         column: Option<String>,
         /// What is wrong and what would be right.
@@ -49,23 +49,48 @@ impl Error {
     /// Bad content at a place of a file.
     pub(crate) fn bad(
         file: &Path,
-        line: impl Into<Option<u64>>,
+        at: impl Into<Place>,
         column: Option<&str>,
         problem: impl Into<String>,
     ) -> Self {
         Self::BadFile {
             file: file.to_owned(),
-            line: line.into(),
+            at: at.into(),
             column: column.map(str::to_owned),
             problem: problem.into(),
         }
     }
 }
 
-fn place(file: &Path, line: Option<u64>, column: Option<&str>) -> String {
+/// Where in a file something is wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// In the file as a whole.
+    Whole,
+    /// In a line of a text, from 1; the header of a table is one.
+    Line(u64),
+    /// In a row of a table that has no lines (Parquet), from 1.
+    Row(u64),
+}
+
+impl From<u64> for Place {
+    fn from(line: u64) -> Self {
+        Self::Line(line)
+    }
+}
+
+impl From<Option<u64>> for Place {
+    fn from(line: Option<u64>) -> Self {
+        line.map_or(Self::Whole, Self::Line)
+    }
+}
+
+fn place(file: &Path, at: Place, column: Option<&str>) -> String {
     let mut place = file.display().to_string();
-    if let Some(line) = line {
-        place.push_str(&format!(", line {line}"));
+    match at {
+        Place::Whole => {}
+        Place::Line(line) => place.push_str(&format!(", line {line}")),
+        Place::Row(row) => place.push_str(&format!(", row {row}")),
     }
     if let Some(column) = column {
         place.push_str(&format!(", column '{column}'"));

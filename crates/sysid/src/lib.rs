@@ -35,5 +35,5 @@ pub(crate) mod toy;
 
 pub use campaign::{Bench, Campaign, Role, Run};
 pub use data::{Data, Evaluation};
-pub use error::Error;
+pub use error::{Error, Place};
 pub use fit::{Fit, FitOptions};

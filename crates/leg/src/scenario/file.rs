@@ -8,6 +8,9 @@ use sealegs_actuator::text::parse_toml;
 use std::path::Path;
 
 /// Name and text of the scenarios that come with the program.
+/// Most steps of a run: hours of computing. More is a slip of the pen, in the duration or in the step.
+const MOST_STEPS: f64 = 1e8;
+
 const PRESETS: [(&str, &str); 5] = [
     ("thor-drop", include_str!("../../../../assets/scenarios/thor-drop.toml")),
     ("saffir-drop", include_str!("../../../../assets/scenarios/saffir-drop.toml")),
@@ -122,6 +125,11 @@ impl Scenario {
         not_negative("gravity_m_s2", self.gravity_m_s2)?;
         if self.step_s > 2e-3 {
             return bad("step_s".to_owned(), self.step_s, "at most 0.002 s: the springs are unstable beyond");
+        }
+        if self.duration_s / self.step_s > MOST_STEPS {
+            let problem =
+                format!("{:e}: must be at most {MOST_STEPS:e} steps of {:e} s", self.duration_s, self.step_s);
+            return Err(LegError::scenario(file, "duration_s", problem));
         }
         self.multiple(file, "sample_period_s", self.sample_period_s)?;
         positive("controller.rate_hz", self.controller.rate_hz)?;
@@ -286,6 +294,8 @@ mod tests {
         assert!(message(&["start.drop_heigth_m=1"]).contains("did you mean 'drop_height_m'"));
         assert!(message(&["step_s=0"]).contains("step_s: 0: must be positive"));
         assert!(message(&["step_s=nan"]).contains("step_s"));
+        assert!(message(&["duration_s=1e300"]).contains("duration_s: 1e300: must be at most 1e8 steps"));
+        assert!(message(&["step_s=1e-300"]).contains("at most 1e8 steps"));
         assert!(message(&["sample_period_s=1.5e-4"]).contains("multiple of step_s"));
         assert!(message(&["ground.friction=-1"]).contains("ground.friction"));
         assert!(message(&["nonsense"]).contains("key=value"));

@@ -96,9 +96,49 @@ impl Clock {
     }
 }
 
+/// Longest run, s, and most sampling periods in one: a clock that jumps (from zero to the seconds since 1970,
+/// say) would otherwise ask for a simulation, and a spectrum, of years.
+const LONGEST_S: f64 = 10_000.0;
+const MOST_PERIODS: f64 = 2e7;
+
+/// What is wrong with time stamps that cover more than a run can be.
+pub(super) fn too_long(time_s: &[f64]) -> Option<String> {
+    let (first, last) = time_s.first().zip(time_s.last())?;
+    let (longest, at) = time_s.windows(2).map(|w| (w[1] - w[0], w[0])).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let jump = || format!("its longest step is {longest:.6e} s, after {at:.6e} s");
+    let span = last - first;
+    if span > LONGEST_S {
+        return Some(format!(
+            "covers {span:.6e} s, and a run is at most {LONGEST_S} s; {}: a clock that jumps, or a run to be cut into several",
+            jump()
+        ));
+    }
+    let steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
+    let period = crate::stats::median(&steps);
+    (span / period > MOST_PERIODS).then(|| {
+        format!(
+            "covers {span:.6e} s with a usual step of {period:.6e} s, more than {MOST_PERIODS:e} of them; {}",
+            jump()
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_clock_that_jumps_is_refused() {
+        let even: Vec<f64> = (0..200).map(|i| 1.7e9 + 0.001 * f64::from(i)).collect();
+        assert_eq!(too_long(&even), None);
+        let mut jumps = even.clone();
+        jumps[0] = 0.0;
+        assert!(too_long(&jumps).unwrap().contains("after 0"));
+        let mut tiny: Vec<f64> = (0..200).map(|i| 1e-300 * f64::from(i)).collect();
+        assert_eq!(too_long(&tiny), None);
+        tiny.push(1.0);
+        assert!(too_long(&tiny).unwrap().contains("usual step"));
+    }
 
     #[test]
     fn a_gap_jitter_and_a_wrong_rate_are_reported() {

@@ -9,8 +9,11 @@
 //! (spectra, autocorrelation) resamples once with [`crate::resample`].
 
 mod clock;
+mod csv_table;
+mod fence;
 mod file;
 mod noise;
+mod parquet_table;
 mod table;
 
 pub use clock::{Clock, Gap};
@@ -169,6 +172,10 @@ impl Campaign {
                         format!("leave fewer than {FEWEST_ROWS} rows of {}", run.file),
                     )
                 })?;
+                let time = &record.time_s;
+                if let Some(problem) = clock::too_long(time) {
+                    return Err(Error::bad(&path, None, Some("time_s"), problem));
+                }
                 let clock = Clock::of(&record.time_s, description.sample_rate_hz);
                 Ok(Run { role: run.role, record, scored, unknown: table.unknown, clock, path })
             })
@@ -254,7 +261,7 @@ impl Campaign {
                     ),
                     Some(_) => format!("two input columns at once: {}", found.join(", ")),
                 };
-                return Err(Error::bad(&run.path, 1, None, problem));
+                return Err(Error::bad(&run.path, table::header_of(&run.path), None, problem));
             }
             let (known, other): (Vec<&Signal>, Vec<&Signal>) =
                 run.record.outputs.iter().partition(|s| model.predicts(&s.channel));
@@ -263,7 +270,7 @@ impl Campaign {
                 let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
                 return Err(Error::bad(
                     &run.path,
-                    1,
+                    table::header_of(&run.path),
                     None,
                     format!("no output column that {} can predict (found: {found})", model.name()),
                 ));

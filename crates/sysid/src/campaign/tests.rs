@@ -202,7 +202,7 @@ fn a_million_rows_take_about_a_second() {
         let _ = writeln!(csv, "{:.4},{:.5},{:.2},{:.2}", f64::from(i) * 1e-3, 0.123, f64::from(i % 100), 5.5);
     }
     let started = std::time::Instant::now();
-    let table = table::parse(Path::new("big.csv"), csv.as_bytes(), Bench::Locked).unwrap();
+    let table = csv_table::parse(Path::new("big.csv"), csv.as_bytes(), Bench::Locked).unwrap();
     assert_eq!(table.time_s.len(), 1_000_000);
     // A generous bound, as other tests share the machine; it takes about 0.3 s alone.
     assert!(started.elapsed().as_secs_f64() < 3.0, "{:?}", started.elapsed());
@@ -213,7 +213,7 @@ proptest! {
 
     #[test]
     fn no_table_makes_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        let _ = table::parse(Path::new("x.csv"), &bytes, Bench::Locked);
+        let _ = csv_table::parse(Path::new("x.csv"), &bytes, Bench::Locked);
     }
 
     #[test]
@@ -221,7 +221,7 @@ proptest! {
         cells in prop::collection::vec("[0-9.,e\\-\n\"NaNif; ]{0,12}", 0..60)
     ) {
         let text = HEADER.to_owned() + &cells.concat();
-        if let Err(e) = table::parse(Path::new("x.csv"), text.as_bytes(), Bench::Pendulum) {
+        if let Err(e) = csv_table::parse(Path::new("x.csv"), text.as_bytes(), Bench::Pendulum) {
             prop_assert!(!e.to_string().is_empty());
         }
     }

@@ -1,0 +1,74 @@
+//! Damaged scenarios, robots and placements: whatever the text, reading ends soon with something that can be
+//! simulated without panic, or with a message that names the file.
+
+use proptest::prelude::*;
+use sealegs_leg::robot::Robot;
+use sealegs_leg::scenario::{Scenario, preset_names, preset_text};
+use sealegs_leg::{Channels, LegError, run_robot};
+use sealegs_tests::damage::{cases, damaged, survives};
+
+fn text(bytes: Vec<u8>) -> String {
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+fn names(files: &[&str], error: &LegError) {
+    let message = error.to_string();
+    assert!(files.iter().any(|f| message.contains(f)), "{message:?}");
+}
+
+/// A few steps of the scenario with this robot; a state that runs away is an error, not a panic.
+fn simulate(scenario: &Scenario, robot: Robot) {
+    let short = Scenario { duration_s: 5.0 * scenario.step_s, ..scenario.clone() };
+    let _ = run_robot(&short, robot, &mut Channels::default());
+}
+
+fn robot(urdf: &str, placement: &str) -> Result<Robot, LegError> {
+    Robot::from_urdf(urdf, "own.urdf", None)?.with_placement(placement, "own.actuators.toml", None)
+}
+
+fn some_preset() -> impl Strategy<Value = Vec<u8>> {
+    (0..preset_names().len()).prop_flat_map(|i| damaged(preset_text(preset_names()[i]).unwrap().as_bytes()))
+}
+
+proptest! {
+    #![proptest_config(cases(100))]
+
+    #[test]
+    fn a_damaged_scenario_is_simulated_or_refused(bytes in some_preset()) {
+        survives(move || match Scenario::from_toml(&text(bytes), "own.toml", &[]) {
+            Ok(scenario) => {
+                assert!(scenario.duration_s / scenario.step_s <= 1e8);
+                if let Ok(robot) = Robot::load(&scenario.robot, None) {
+                    simulate(&scenario, robot);
+                }
+            }
+            Err(error) => names(&["own.toml"], &error),
+        });
+    }
+
+    #[test]
+    fn a_damaged_robot_is_simulated_or_refused(
+        bytes in damaged(Robot::preset_texts("thor-leg").unwrap().0.as_bytes())
+    ) {
+        survives(move || {
+            let (_, placement) = Robot::preset_texts("thor-leg").unwrap();
+            match robot(&text(bytes), placement) {
+                Ok(robot) => simulate(&Scenario::load("thor-drop", &[]).unwrap(), robot),
+                Err(error) => names(&["own.urdf", "own.actuators.toml"], &error),
+            }
+        });
+    }
+
+    #[test]
+    fn a_damaged_placement_is_simulated_or_refused(
+        bytes in damaged(Robot::preset_texts("thor-leg").unwrap().1.as_bytes())
+    ) {
+        survives(move || {
+            let (urdf, _) = Robot::preset_texts("thor-leg").unwrap();
+            match robot(urdf, &text(bytes)) {
+                Ok(robot) => simulate(&Scenario::load("thor-drop", &[]).unwrap(), robot),
+                Err(error) => names(&["own.actuators.toml"], &error),
+            }
+        });
+    }
+}
