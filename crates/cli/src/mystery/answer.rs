@@ -84,10 +84,8 @@ impl Answer {
     pub fn sealed(&self) -> anyhow::Result<String> {
         let text = toml::to_string(self)?;
         let letters = STANDARD.encode(&text);
-        let lines: Vec<&str> = (0..letters.len())
-            .step_by(LINE)
-            .map(|i| &letters[i..(i + LINE).min(letters.len())])
-            .collect();
+        let lines: Vec<&str> =
+            (0..letters.len()).step_by(LINE).map(|i| &letters[i..(i + LINE).min(letters.len())]).collect();
         Ok(format!("{HEAD}\n{}\n{}\n", checksum(&text), lines.join("\n")))
     }
 

@@ -14,6 +14,7 @@ pub use reveal::{Verdict, page};
 use answer::{Answer, HiddenEffect, Named, TrueSensor};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
+use trial::Strength;
 
 /// How hard it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -36,12 +37,6 @@ pub struct Mystery {
 /// Duration of a run, s.
 const DURATION_S: f64 = 20.0;
 
-/// The base model's error in noise units where an effect dominates, where it is a little above the noise, and
-/// where two add up or it is in no catalogue.
-const STRONG: (f64, f64) = (7.0, 18.0);
-const WEAK: (f64, f64) = (1.3, 1.7);
-const MIDDLE: (f64, f64) = (2.0, 5.0);
-
 /// A mystery on a bench. The same seed and level give the same bits.
 ///
 /// # Errors
@@ -62,8 +57,8 @@ pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> anyhow::R
         substeps: SUBSTEPS,
     };
     loop {
-        let (ids, window) = choose(&mut draws, level);
-        if let Some(hidden) = hide(&plain, &ids, window)? {
+        let (ids, strength) = choose(&mut draws, level);
+        if let Some(hidden) = hide(&plain, &ids, strength)? {
             let made = Order { hidden, ..plain }.make();
             let base_error = trial::base_error(&made)?;
             let answer = answer_of(&made, seed, base_error);
@@ -72,27 +67,27 @@ pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> anyhow::R
     }
 }
 
-/// What to hide, and the base model's error that each of it alone must leave.
-fn choose(draws: &mut Draws, level: Level) -> (Vec<&'static str>, (f64, f64)) {
+/// What to hide, and how strong each of it is alone.
+fn choose(draws: &mut Draws, level: Level) -> (Vec<&'static str>, Strength) {
     match level {
-        Level::Easy => (vec![draws.one_of(&CATALOGUE)], STRONG),
+        Level::Easy => (vec![draws.one_of(&CATALOGUE)], Strength::Dominant),
         Level::Hard => match draws.one_of(&[0, 0, 1, 1, 2, 3]) {
-            0 => (vec![draws.one_of(&CATALOGUE)], WEAK),
-            1 => (draws.one_of(&PAIRS).to_vec(), MIDDLE),
-            2 => (Vec::new(), WEAK),
-            _ => (vec![draws.one_of(&BEYOND)], MIDDLE),
+            0 => (vec![draws.one_of(&CATALOGUE)], Strength::Weak),
+            1 => (draws.one_of(&PAIRS).to_vec(), Strength::Middle),
+            2 => (Vec::new(), Strength::Weak),
+            _ => (vec![draws.one_of(&BEYOND)], Strength::Middle),
         },
     }
 }
 
-/// The effects at strengths that leave errors within a window; `None` where one of them cannot be seen here.
-fn hide(plain: &Order, ids: &[&str], window: (f64, f64)) -> anyhow::Result<Option<Vec<Hidden>>> {
+/// The effects at a strength; `None` where one of them cannot be seen here.
+fn hide(plain: &Order, ids: &[&str], strength: Strength) -> anyhow::Result<Option<Vec<Hidden>>> {
     let mut hidden = Vec::new();
     for id in ids {
         if !Hidden::applies(id, plain.rig) {
             return Ok(None);
         }
-        match trial::visible(plain, id, window)? {
+        match trial::visible(plain, id, strength)? {
             Some(effect) => hidden.push(effect),
             None => return Ok(None),
         }

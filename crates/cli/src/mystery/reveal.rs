@@ -58,6 +58,15 @@ pub struct FittedSensor {
     pub bias: f64,
 }
 
+/// A number with the digits that matter, whatever its size.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-2..1e7).contains(&value.abs()) {
+        format!("{value:.6}")
+    } else {
+        format!("{value:.5e}")
+    }
+}
+
 /// A list of ids as a person reads it.
 fn list(ids: &[String]) -> String {
     if ids.is_empty() { "nothing".to_owned() } else { ids.join(" + ") }
@@ -106,12 +115,12 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
         .iter()
         .flat_map(|e| e.parameters.iter().map(move |p| (format!("{}.{}", e.id, p.name), p.value)));
     for (name, truth) in base.chain(of_effects) {
-        let _ = write!(out, "{name:<42} {truth:>14.6}");
+        let _ = write!(out, "{name:<42} {:>14}", number(truth));
         match fitted(&name) {
             Some(p) => {
                 let std = p.std.map_or("-".to_owned(), |s| format!("{s:.3e}"));
                 let off = 100.0 * (p.value / truth - 1.0);
-                let _ = writeln!(out, " {:>14.6} {std:>12} {off:>+6.1} %", p.value);
+                let _ = writeln!(out, " {:>14} {std:>12} {off:>+6.1} %", number(p.value));
             }
             None if side.is_some() => out.push_str("              -            -       -\n"),
             None => out.push('\n'),
@@ -122,16 +131,18 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
         for (name, truth, value) in
             [("gain", sensor.gain, found.map(|f| f.gain)), ("bias", sensor.bias, found.map(|f| f.bias))]
         {
-            let _ = write!(out, "{:<42} {truth:>14.6}", format!("{} {name}", sensor.channel));
+            let label = format!("{} {name}", sensor.channel);
+            let _ = write!(out, "{label:<42} {:>14}", number(truth));
             match value {
                 Some(v) => {
-                    let _ = writeln!(out, " {v:>14.6}");
+                    let _ = writeln!(out, " {:>14}", number(v));
                 }
                 None => out.push('\n'),
             }
         }
     }
-    let _ = writeln!(out, "A row is stamped at the {} of the period in which its command acts.", answer.stamp);
+    let _ =
+        writeln!(out, "A row is stamped at the {} of the period in which its command acts.", answer.stamp);
     out
 }
 

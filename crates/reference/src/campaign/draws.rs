@@ -13,9 +13,9 @@ impl Draws {
     /// The stream of a topic: its name is mixed into the seed (FNV-1a).
     #[must_use]
     pub fn of(seed: u64, topic: &str) -> Self {
-        let hash = topic.bytes().fold(0xCBF2_9CE4_8422_2325u64, |h, b| {
-            (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01B3)
-        });
+        let hash = topic
+            .bytes()
+            .fold(0xCBF2_9CE4_8422_2325u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01B3));
         Self { seed: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ hash, next: 0 }
     }
 

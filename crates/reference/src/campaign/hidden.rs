@@ -110,7 +110,11 @@ impl Hidden {
             "quadratic-drag" => vec![("coefficient_n_s2_m2", 1e5 * a)],
             "torque-ripple" => {
                 let cycles = d.one_of(&[4.0, 6.0, 7.0, 8.0, 11.0, 12.0, 14.0]);
-                vec![("amplitude_n", 20.0 * a), ("cycles_per_rev", cycles), ("phase_rad", d.between(-3.0, 3.0))]
+                vec![
+                    ("amplitude_n", 20.0 * a),
+                    ("cycles_per_rev", cycles),
+                    ("phase_rad", d.between(-3.0, 3.0)),
+                ]
             }
             "current-saturation" => vec![("limit_a", 4.0 / a)],
             "voltage-saturation" => {
@@ -169,8 +173,9 @@ impl Hidden {
         }
     }
 
-    /// The actuator with this effect.
-    pub(super) fn put_into(&self, reference: Reference) -> Reference {
+    /// A machine with this effect in it.
+    #[must_use]
+    pub fn put_into(&self, reference: Reference) -> Reference {
         if let Some(beyond) = self.beyond {
             return Reference { beyond: Some(beyond), ..reference };
         }

@@ -1,8 +1,8 @@
 //! What the sensors and the logger make of a run: noise, counts, gain, bias, time stamps.
 
+use super::Rig;
 use super::draws::Draws;
 use super::individual::{Individual, Stamp};
-use super::Rig;
 use crate::{Beyond, Outputs};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_model::{InputHold, Record, Signal};
@@ -78,9 +78,7 @@ impl Logger<'_> {
         let logged = match self.individual.stamp {
             Stamp::Start => command.to_vec(),
             // The row closes the period in which the command before acted.
-            Stamp::End => {
-                std::iter::once(0.0).chain(command[..command.len() - 1].iter().copied()).collect()
-            }
+            Stamp::End => std::iter::once(0.0).chain(command[..command.len() - 1].iter().copied()).collect(),
         };
         Record {
             name: name.to_owned(),

@@ -16,10 +16,7 @@ const RANGE: (f64, f64) = (1e-3, 300.0);
 /// # Errors
 ///
 /// Whatever `error` returns.
-pub fn reach<E>(
-    window: (f64, f64),
-    mut error: impl FnMut(f64) -> Result<f64, E>,
-) -> Result<Option<f64>, E> {
+pub fn reach<E>(window: (f64, f64), mut error: impl FnMut(f64) -> Result<f64, E>) -> Result<Option<f64>, E> {
     let excess = |e: f64| (e * e - 1.0).max(1e-3).sqrt();
     let wanted = excess((window.0 * window.1).sqrt());
     let (mut weak, mut strong): (Option<f64>, Option<f64>) = (None, None);
@@ -37,7 +34,9 @@ pub fn reach<E>(
         let step = (wanted / excess(e)).clamp(1.0 / STRIDE, STRIDE);
         strength = match (weak, strong) {
             // Between the two where the proportion leads out of them.
-            (Some(w), Some(s)) if w < s && !(w * 1.05..s / 1.05).contains(&(strength * step)) => (w * s).sqrt(),
+            (Some(w), Some(s)) if w < s && !(w * 1.05..s / 1.05).contains(&(strength * step)) => {
+                (w * s).sqrt()
+            }
             _ => strength * step,
         };
         if !(RANGE.0..=RANGE.1).contains(&strength) {
