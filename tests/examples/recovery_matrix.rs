@@ -5,7 +5,7 @@
 
 use clap::Parser;
 use sealegs_reference::campaign::Rig;
-use sealegs_tests::matrix::{Asked, Outcome, cases, run, table};
+use sealegs_tests::matrix::{Asked, DURATION_S, Outcome, cases, run, table};
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if done.iter().any(|o| o.name == case.name()) {
             continue;
         }
-        let outcome = run(case, &arguments.campaigns)?;
+        let outcome = run(case, DURATION_S, &arguments.campaigns)?;
         let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&arguments.results)?;
         writeln!(file, "{}", serde_json::to_string(&outcome)?)?;
         eprintln!(

@@ -18,7 +18,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-/// Duration of a run, s.
+/// Duration of a run of the whole matrix, s.
 pub const DURATION_S: f64 = 8.0;
 
 /// Effects narrowed down to one sensor, beside the catalogue's own ids.
@@ -134,20 +134,20 @@ pub struct Outcome {
 /// The score of a case that cannot be made.
 pub const INVISIBLE: &str = "invisible";
 
-/// Makes a case's campaign, as files in `folder/NAME`, diagnoses it and scores the verdict. The folder stays where
+/// Makes a case's campaign of runs of a duration, as files in `folder/NAME`, diagnoses it and scores the verdict. The folder stays where
 /// the verdict is neither right nor tied.
 ///
 /// # Errors
 ///
 /// If a file cannot be written or read, or nothing can be simulated.
-pub fn run(case: &Case, folder: &Path) -> Result<Outcome, Box<dyn Error>> {
+pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<dyn Error>> {
     let name = case.name();
     let plain = Order {
         name: name.clone(),
         rig: case.rig,
         seed: Draws::of(case.seed, &name).seed(),
         hidden: Vec::new(),
-        duration_s: DURATION_S,
+        duration_s,
         substeps: SUBSTEPS,
     };
     let mut outcome = Outcome {

@@ -2,8 +2,12 @@
 
 use super::answer::Answer;
 use super::score::{Score, score};
+use crate::diagnosis::text::figures;
 use serde::Deserialize;
 use std::fmt::Write;
+
+/// Significant digits of a parameter.
+const DIGITS: usize = 6;
 
 /// What `sealegs reveal` reads of `diagnose --json`; other keys are left alone.
 #[derive(Debug, Clone, Deserialize)]
@@ -58,15 +62,6 @@ pub struct FittedSensor {
     pub bias: f64,
 }
 
-/// A number with the digits that matter, whatever its size.
-fn number(value: f64) -> String {
-    if value == 0.0 || (1e-2..1e7).contains(&value.abs()) {
-        format!("{value:.6}")
-    } else {
-        format!("{value:.5e}")
-    }
-}
-
 /// A list of ids as a person reads it.
 fn list(ids: &[String]) -> String {
     if ids.is_empty() { "nothing".to_owned() } else { ids.join(" + ") }
@@ -115,12 +110,12 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
         .iter()
         .flat_map(|e| e.parameters.iter().map(move |p| (format!("{}.{}", e.id, p.name), p.value)));
     for (name, truth) in base.chain(of_effects) {
-        let _ = write!(out, "{name:<42} {:>14}", number(truth));
+        let _ = write!(out, "{name:<42} {:>14}", figures(truth, DIGITS));
         match fitted(&name) {
             Some(p) => {
-                let std = p.std.map_or("-".to_owned(), |s| format!("{s:.3e}"));
+                let std = p.std.map_or("-".to_owned(), |s| figures(s, 2));
                 let off = 100.0 * (p.value / truth - 1.0);
-                let _ = writeln!(out, " {:>14} {std:>12} {off:>+6.1} %", number(p.value));
+                let _ = writeln!(out, " {:>14} {std:>12} {off:>+6.1} %", figures(p.value, DIGITS));
             }
             None if side.is_some() => out.push_str("              -            -       -\n"),
             None => out.push('\n'),
@@ -132,10 +127,10 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
             [("gain", sensor.gain, found.map(|f| f.gain)), ("bias", sensor.bias, found.map(|f| f.bias))]
         {
             let label = format!("{} {name}", sensor.channel);
-            let _ = write!(out, "{label:<42} {:>14}", number(truth));
+            let _ = write!(out, "{label:<42} {:>14}", figures(truth, DIGITS));
             match value {
                 Some(v) => {
-                    let _ = writeln!(out, " {:>14}", number(v));
+                    let _ = writeln!(out, " {:>14}", figures(v, DIGITS));
                 }
                 None => out.push('\n'),
             }
