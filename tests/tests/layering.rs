@@ -4,15 +4,24 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// What each crate of the project may depend on within the project.
-const ARROWS: [(&str, &[&str]); 6] = [
+const ARROWS: [(&str, &[&str]); 7] = [
     ("sealegs-model", &[]),
     ("sealegs-actuator", &["sealegs-model"]),
+    // Parameters and command profiles only: its integration is its own.
+    ("sealegs-reference", &["sealegs-model", "sealegs-actuator"]),
     ("sealegs-leg", &["sealegs-model", "sealegs-actuator"]),
     ("sealegs-sysid", &["sealegs-model"]),
     ("sealegs-recorder", &["sealegs-model", "sealegs-sysid"]),
     (
         "sealegs-cli",
-        &["sealegs-model", "sealegs-actuator", "sealegs-leg", "sealegs-sysid", "sealegs-recorder"],
+        &[
+            "sealegs-model",
+            "sealegs-actuator",
+            "sealegs-reference",
+            "sealegs-leg",
+            "sealegs-sysid",
+            "sealegs-recorder",
+        ],
     ),
 ];
 
@@ -76,6 +85,33 @@ fn engine_and_recorder_are_known_to_their_crate_only() {
             assert!(!knows || name == owner, "{name} -> {library}: only {owner} may know it");
         }
     }
+}
+
+/// Modules of the actuator in which its motion is computed.
+const INTEGRATION: [&str; 3] = ["plant", "response", "effect"];
+
+#[test]
+fn the_independent_simulator_takes_no_integration_from_the_actuator() {
+    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/reference/src"));
+    let mut folders = vec![folder.to_owned()];
+    let mut seen = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("sources") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            seen += 1;
+            let text = std::fs::read_to_string(&path).expect("a source");
+            for module in INTEGRATION {
+                let taken = text.contains(&format!("sealegs_actuator::{module}"));
+                assert!(!taken, "{} takes from the actuator's {module}", path.display());
+            }
+            assert!(!text.contains("BenchModel"), "{} takes the actuator's own bench", path.display());
+        }
+    }
+    assert!(seen > 5, "{seen} sources");
 }
 
 #[test]

@@ -272,12 +272,14 @@ fn split_mix(seed: u64, n: u64) -> u64 {
 }
 
 /// The `n`-th number, uniform in (0, 1).
-fn uniform(seed: u64, n: u64) -> f64 {
+#[must_use]
+pub fn uniform(seed: u64, n: u64) -> f64 {
     ((split_mix(seed, n) >> 11) as f64 + 0.5) / (1u64 << 53) as f64
 }
 
 /// The `n`-th standard normal number, by Box and Muller from two uniform ones.
-pub(crate) fn gaussian(seed: u64, n: i64) -> f64 {
+#[must_use]
+pub fn gaussian(seed: u64, n: i64) -> f64 {
     let n = n as u64;
     let (u, v) = (uniform(seed, n.wrapping_mul(2)), uniform(seed, n.wrapping_mul(2).wrapping_add(1)));
     (-2.0 * u.ln()).sqrt() * (TAU * v).cos()

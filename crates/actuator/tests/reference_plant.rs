@@ -1,11 +1,9 @@
 //! The bench against an independent integrator: every output, every effect, both benches.
 
-mod reference;
-
-use reference::{End, Outputs, Reference};
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
 use sealegs_actuator::{ActuatorSpec, Configuration, Kind};
 use sealegs_model::{Excitation, InputHold, Model, Record, Signal};
+use sealegs_reference::{Outputs, Reference};
 
 const PERIOD_S: f64 = 1e-3;
 
@@ -58,22 +56,7 @@ impl Case {
     }
 
     fn truth(&self) -> Outputs {
-        let c = self.spec.coefficients();
-        let (rotor, sprung) = match c.configuration {
-            Configuration::Lumped => (0.0, c.total_mass()),
-            _ => (c.reflected_inertia, c.sprung_mass),
-        };
-        let mut reference = Reference::new(rotor, sprung, c.damping, c.stiffness);
-        reference.travel_per_rad = self.spec.ratio();
-        reference.force_per_command = if self.input() == "current_a" { c.force_constant } else { 1.0 };
-        let mass = |m: f64| if m.is_finite() { End::Mass(m) } else { End::Held };
-        (reference.link_1, reference.link_2) = match self.bench {
-            Bench::Locked => (End::Held, End::Held),
-            Bench::Pendulum(rig) => {
-                (End::Held, End::Pendulum { mass_kg: rig.mass_kg, length_m: rig.length_m, arm_m: rig.arm_m })
-            }
-            Bench::Masses { link_1_kg, link_2_kg } => (mass(link_1_kg), mass(link_2_kg)),
-        };
+        let mut reference = Reference::of(&self.spec, self.bench, self.input());
         for (id, values) in &self.effects {
             reference = reference.with(id, values);
         }

@@ -8,6 +8,7 @@ pub mod comparison;
 pub mod diagnosis;
 pub mod failure;
 pub mod leg_scene;
+pub mod mystery;
 pub mod output;
 pub mod reproduce;
 pub mod verb;

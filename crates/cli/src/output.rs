@@ -1,4 +1,4 @@
-//! Output files that are whole or not there at all: written beside their place, then renamed.
+//! Output files and folders that are whole or not there at all: written beside their place, then renamed.
 
 use crate::failure::bad_input;
 use anyhow::Context;
@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Files that are being written; an interrupt removes them.
+/// Files and folders that are being written; an interrupt removes them.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Makes Ctrl-C remove the unfinished files before the program ends with status 130.
@@ -15,8 +15,8 @@ pub fn remove_unfinished_on_interrupt() {
     let _ = ctrlc::set_handler(|| {
         // Held until the end, so that no new one is begun in between.
         let files = UNFINISHED.lock();
-        for file in files.iter().flat_map(|files| files.iter()) {
-            let _ = std::fs::remove_file(file);
+        for path in files.iter().flat_map(|files| files.iter()) {
+            remove(path);
         }
         std::process::exit(130);
     });
@@ -99,10 +99,74 @@ impl Destination {
 impl Drop for Destination {
     fn drop(&mut self) {
         if let Some(part) = &self.unfinished {
-            let _ = std::fs::remove_file(part);
+            remove(part);
             forget(part);
         }
     }
+}
+
+/// A place for a folder of results that is not there yet, tried out before long work begins.
+#[derive(Debug)]
+pub struct NewFolder {
+    path: PathBuf,
+    unfinished: Option<PathBuf>,
+}
+
+impl NewFolder {
+    /// Checks that `path` is free and can be made, by making `<path>.part` beside it.
+    ///
+    /// # Errors
+    ///
+    /// Bad input if there is something already, or if it cannot be made.
+    pub fn new(path: &Path) -> anyhow::Result<Self> {
+        if path.exists() {
+            return Err(bad_input(format!("{}: is there already; name a new folder", path.display())));
+        }
+        let Some(name) = path.file_name() else {
+            return Err(bad_input(format!("{}: names no new folder", path.display())));
+        };
+        let mut name = name.to_owned();
+        name.push(".part");
+        let unfinished = path.with_file_name(name);
+        std::fs::create_dir(&unfinished)
+            .map_err(|e| bad_input(format!("{}: cannot be made: {e}", path.display())))?;
+        if let Ok(mut files) = UNFINISHED.lock() {
+            files.push(unfinished.clone());
+        }
+        Ok(Self { path: path.to_owned(), unfinished: Some(unfinished) })
+    }
+
+    /// Writes the files, by name and text, and puts the folder in place.
+    ///
+    /// # Errors
+    ///
+    /// If the disk does not take them.
+    pub fn write<'a>(mut self, files: impl IntoIterator<Item = (&'a str, &'a str)>) -> anyhow::Result<()> {
+        if let Some(part) = &self.unfinished {
+            for (name, text) in files {
+                let place = part.join(name);
+                std::fs::write(&place, text).with_context(|| self.path.join(name).display().to_string())?;
+            }
+            std::fs::rename(part, &self.path).with_context(|| self.path.display().to_string())?;
+            forget(part);
+        }
+        self.unfinished = None;
+        Ok(())
+    }
+}
+
+impl Drop for NewFolder {
+    fn drop(&mut self) {
+        if let Some(part) = &self.unfinished {
+            remove(part);
+            forget(part);
+        }
+    }
+}
+
+/// Removes what was not finished, whichever it is.
+fn remove(part: &Path) {
+    let _ = if part.is_dir() { std::fs::remove_dir_all(part) } else { std::fs::remove_file(part) };
 }
 
 fn forget(part: &Path) {

@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use sealegs_sysid::{Campaign, Error};
-use sealegs_tests::damage::{cases, damaged, damaged_bytes, survives};
+use sealegs_damage::{cases, damaged, damaged_bytes, survives};
 use std::path::Path;
 
 const CAMPAIGN: &str = "name = \"t\"\nbench = \"locked\"\nactuator = \"a\"\nsample_rate_hz = 1000.0\n\

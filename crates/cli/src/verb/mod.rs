@@ -9,7 +9,9 @@ mod design_report;
 mod diagnose;
 mod impact;
 mod list;
+mod mystery;
 mod reproduce;
+mod reveal;
 mod run;
 
 use clap::Subcommand;
@@ -31,6 +33,10 @@ pub enum Verb {
     Diagnose(diagnose::Diagnose),
     /// Add an effect to a model, refit it on a campaign and write the better model.
     Add(add::Add),
+    /// Make a campaign with something hidden in it, to practise on.
+    Mystery(mystery::MysteryArguments),
+    /// Open the answer of a mystery, and judge a verdict on it.
+    Reveal(reveal::Reveal),
     /// Run an actuator on a test bench.
     Bench(bench::BenchArguments),
     /// Recompute the numbers of the dissertation "Series Elasticity in Linearly Actuated Humanoids".
@@ -53,6 +59,8 @@ pub fn run(verb: Verb) -> anyhow::Result<u8> {
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Diagnose(arguments) => diagnose::run(&arguments),
         Verb::Add(arguments) => add::run(&arguments),
+        Verb::Mystery(arguments) => mystery::run(&arguments),
+        Verb::Reveal(arguments) => reveal::run(&arguments),
         Verb::Bench(arguments) => bench::run(&arguments),
         Verb::Reproduce(arguments) => reproduce::run(&arguments),
         Verb::Design(arguments) => design::run(&arguments),

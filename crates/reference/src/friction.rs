@@ -1,10 +1,11 @@
-//! Dry friction of the reference integrator: contacts that slip one way or stick, switched at located events.
+//! Dry friction: contacts that slip one way or stick, switched at located events.
 
-use super::{Frame, MOST, Machine, P, Row, State, add, dot};
+use crate::beyond::Beyond;
+use crate::machine::{Frame, MOST, Machine, P, Row, State, add, dot};
 
 /// How a dry contact moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Mode {
+pub(crate) enum Mode {
     /// There is no friction here.
     Free,
     /// At rest.
@@ -24,13 +25,17 @@ impl Machine<'_> {
     fn has_friction(&self, contact: usize) -> bool {
         let of = self.of;
         if contact == 0 {
-            of.coulomb > 0.0 || of.stribeck.is_some() || of.load_friction > 0.0 || of.directed.is_some()
+            of.coulomb > 0.0
+                || of.stribeck.is_some()
+                || of.load_friction > 0.0
+                || of.directed.is_some()
+                || matches!(of.beyond, Some(Beyond::PositionFriction { .. }))
         } else {
             of.output_friction > 0.0
         }
     }
 
-    fn bound(&self, contact: usize, speed: f64, direction: f64, load: f64) -> f64 {
+    fn bound(&self, s: &State, contact: usize, speed: f64, direction: f64, load: f64) -> f64 {
         let of = self.of;
         if contact == 1 {
             return of.output_friction;
@@ -39,7 +44,13 @@ impl Machine<'_> {
             .stribeck
             .map_or(0.0, |[low, high, velocity]| low + (high - low) * (-(speed / velocity).powi(2)).exp());
         let directed = of.directed.map_or(0.0, |[force, a]| force * (1.0 + a * direction));
-        of.coulomb + stribeck + directed + of.load_friction * load.abs()
+        let placed = match of.beyond {
+            Some(Beyond::PositionFriction { force_n, period_m }) => {
+                force_n * (1.0 + (std::f64::consts::TAU * dot(&self.extension, &s.x) / period_m).sin())
+            }
+            _ => 0.0,
+        };
+        of.coulomb + stribeck + directed + of.load_friction * load.abs() + placed
     }
 
     /// Acceleration under smooth forces `q` and contact forces `f`.
@@ -67,14 +78,14 @@ impl Machine<'_> {
                 match frame.mode[contact] {
                     Mode::Free => continue,
                     Mode::Slip(direction) => {
-                        f[contact] = -direction * self.bound(contact, speed, direction, load);
+                        f[contact] = -direction * self.bound(s, contact, speed, direction, load);
                     }
                     Mode::Stick => {
                         let mobility: f64 =
                             (0..self.count).map(|i| row[i] * dot(&self.inverse_mass[i], row)).sum();
                         f[contact] -= dot(row, &a) / mobility;
                         if may_break {
-                            let against = self.bound(contact, 0.0, -f[contact].signum(), load);
+                            let against = self.bound(s, contact, 0.0, -f[contact].signum(), load);
                             f[contact] = f[contact].clamp(-against, against);
                         }
                     }
@@ -88,7 +99,7 @@ impl Machine<'_> {
         (f, a)
     }
 
-    pub(super) fn accelerate(&self, s: &State, frame: &Frame) -> Row {
+    pub(crate) fn accelerate(&self, s: &State, frame: &Frame) -> Row {
         self.resolve(s, frame, false).1
     }
 
@@ -130,7 +141,7 @@ impl Machine<'_> {
     }
 
     /// Advances the state by `step` through all events within it; the acceleration at the end.
-    pub(super) fn advance(&self, state: &mut State, commanded: f64, step: f64) -> Row {
+    pub(crate) fn advance(&self, state: &mut State, commanded: f64, step: f64) -> Row {
         let mut frame = Frame { commanded, mode: self.modes(state, commanded) };
         let mut left = step;
         let mut events = 0;

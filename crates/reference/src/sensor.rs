@@ -1,4 +1,4 @@
-//! Errors of the sensors in the reference integrator, step by step alongside the motion.
+//! Errors of the sensors that are effects of the catalogue, step by step alongside the motion.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -23,7 +23,7 @@ const CHANNELS: [[&str; 2]; 5] = [
     ["joint_angle_rad", ""],
 ];
 
-pub(super) struct Chain<'a> {
+pub(crate) struct Chain<'a> {
     of: &'a SensorErrors,
     step: f64,
     /// True signals, and those that the structure passes on, one step ago.

@@ -1,0 +1,129 @@
+//! Mysteries: campaigns with something hidden in them, made by the independent simulator, and the judging of a
+//! verdict on them.
+//!
+//! A bench's mystery comes from [`bench_mystery`]. Whatever makes one returns a [`Mystery`], which is all that the
+//! verb writes: a generator for another kind of bench is one more function of this kind.
+
+pub mod answer;
+mod reveal;
+pub mod score;
+pub mod trial;
+
+pub use reveal::{Verdict, page};
+
+use answer::{Answer, HiddenEffect, Named, TrueSensor};
+use sealegs_actuator::ActuatorSpec;
+use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
+use trial::Strength;
+
+/// How hard it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Level {
+    /// One effect of the catalogue that dominates the error.
+    Easy,
+    /// A weak effect, two at once, nothing at all, or one that is in no catalogue.
+    Hard,
+}
+
+/// A campaign's files, without the answer, and the answer.
+#[derive(Debug)]
+pub struct Mystery {
+    /// Name and text of each.
+    pub files: Vec<(String, String)>,
+    /// What is true.
+    pub answer: Answer,
+}
+
+/// Duration of a run, s.
+const DURATION_S: f64 = 20.0;
+
+/// A mystery on a bench. The same seed and level give the same bits.
+///
+/// # Errors
+///
+/// If a model cannot be simulated.
+pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> anyhow::Result<Mystery> {
+    let topic = match level {
+        Level::Easy => "easy mystery",
+        Level::Hard => "hard mystery",
+    };
+    let mut draws = Draws::of(seed, topic);
+    let plain = Order {
+        name: name.to_owned(),
+        rig,
+        seed: draws.seed(),
+        hidden: Vec::new(),
+        duration_s: DURATION_S,
+        substeps: SUBSTEPS,
+    };
+    loop {
+        let (ids, strength) = choose(&mut draws, level);
+        if let Some(hidden) = hide(&plain, &ids, strength)? {
+            let made = Order { hidden, ..plain }.make();
+            let base_error = trial::base_error(&made)?;
+            let answer = answer_of(&made, seed, base_error);
+            return Ok(Mystery { files: made.files(), answer });
+        }
+    }
+}
+
+/// What to hide, and how strong each of it is alone.
+fn choose(draws: &mut Draws, level: Level) -> (Vec<&'static str>, Strength) {
+    match level {
+        Level::Easy => (vec![draws.one_of(&CATALOGUE)], Strength::Dominant),
+        Level::Hard => match draws.one_of(&[0, 0, 1, 1, 2, 3]) {
+            0 => (vec![draws.one_of(&CATALOGUE)], Strength::Weak),
+            1 => (draws.one_of(&PAIRS).to_vec(), Strength::Middle),
+            2 => (Vec::new(), Strength::Weak),
+            _ => (vec![draws.one_of(&BEYOND)], Strength::Middle),
+        },
+    }
+}
+
+/// The effects at a strength; `None` where one of them cannot be seen here.
+fn hide(plain: &Order, ids: &[&str], strength: Strength) -> anyhow::Result<Option<Vec<Hidden>>> {
+    let mut hidden = Vec::new();
+    for id in ids {
+        if !Hidden::applies(id, plain.rig) {
+            return Ok(None);
+        }
+        match trial::visible(plain, id, strength)? {
+            Some(effect) => hidden.push(effect),
+            None => return Ok(None),
+        }
+    }
+    Ok(Some(hidden))
+}
+
+/// The truth of a made campaign.
+fn answer_of(made: &Made, seed: u64, base_error: f64) -> Answer {
+    let named = |(name, value): &(&str, f64)| Named { name: (*name).to_owned(), value: *value };
+    let spec = ActuatorSpec::preset(made.actuator);
+    let base = spec.map(|s| made.individual.base_parameters(&s)).unwrap_or_default();
+    Answer {
+        campaign: made.name.clone(),
+        bench: made.rig.as_str().to_owned(),
+        seed,
+        base_error,
+        stamp: made.individual.stamp.as_str().to_owned(),
+        effects: made
+            .hidden
+            .iter()
+            .map(|h| HiddenEffect {
+                id: h.id.clone(),
+                known: h.beyond.is_none(),
+                parameters: h.parameters.iter().map(named).collect(),
+            })
+            .collect(),
+        parameters: base.iter().map(named).collect(),
+        sensors: ["force_1_n", "force_2_n"]
+            .iter()
+            .zip(made.individual.gain.iter().zip(&made.individual.bias_n))
+            .map(|(channel, (gain, bias))| TrueSensor {
+                channel: (*channel).to_owned(),
+                gain: *gain,
+                bias: *bias,
+            })
+            .collect(),
+    }
+}

@@ -1,0 +1,74 @@
+//! `sealegs mystery`: a campaign with something hidden in it, to practise on.
+
+use crate::diagnosis::progress;
+use crate::failure::bad_input;
+use crate::mystery::{Level, answer, bench_mystery};
+use crate::output::NewFolder;
+use clap::{Args, ValueEnum};
+use sealegs_reference::campaign::Rig;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// What the mystery is recorded on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Bench {
+    /// Both links held
+    Locked,
+    /// The screw turns a pendulum
+    Pendulum,
+    /// A whole leg
+    Leg,
+}
+
+/// Make a campaign with something hidden in it, to practise on
+#[derive(Args)]
+pub struct MysteryArguments {
+    /// What it is recorded on
+    #[arg(long, value_enum, default_value = "locked")]
+    bench: Bench,
+    /// Another seed hides something else
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// One dominant effect, or: a weak one, two, none, or one that is in no catalogue
+    #[arg(long, value_enum, default_value = "easy")]
+    level: Level,
+    /// The folder to make
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+///
+/// Bad input if the folder is there already or cannot be made.
+pub fn run(arguments: &MysteryArguments) -> anyhow::Result<u8> {
+    let rig = match arguments.bench {
+        Bench::Locked => Rig::Locked,
+        Bench::Pendulum => Rig::Pendulum,
+        Bench::Leg => {
+            return Err(bad_input(
+                "--bench leg: mysteries of a whole leg cannot be made yet; use locked or pendulum",
+            ));
+        }
+    };
+    let folder = NewFolder::new(&arguments.output)?;
+    let name = format!("mystery-{}-{}", rig.as_str(), arguments.seed);
+    let bar = progress::spinner();
+    bar.set_message("hiding something where it shows, and recording four runs");
+    let made = bench_mystery(&name, rig, arguments.seed, arguments.level);
+    bar.finish_and_clear();
+    let made = made?;
+    let sealed = made.answer.sealed()?;
+    let files = made.files.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+    folder.write(files.chain([(answer::FILE, sealed.as_str())]))?;
+    let place = arguments.output.display();
+    writeln!(
+        std::io::stdout().lock(),
+        "{place}: a campaign of {} runs on the {} bench, with its answer sealed. Now:\n  \
+         sealegs diagnose {place} --json verdict.json\n  sealegs reveal {place} --verdict verdict.json",
+        made.files.len() - 1,
+        rig.as_str(),
+    )?;
+    Ok(0)
+}

@@ -1,0 +1,221 @@
+//! Campaigns with something hidden in them: an individual actuator on a bench, four runs, sensors with errors.
+
+mod commands;
+mod draws;
+mod hidden;
+mod individual;
+mod logger;
+mod strength;
+
+pub use commands::Planned;
+pub use draws::Draws;
+pub use hidden::{BEYOND, CATALOGUE, Hidden, PAIRS};
+pub use individual::{Individual, Stamp};
+pub use strength::reach;
+
+use logger::Logger;
+use sealegs_actuator::ActuatorSpec;
+use sealegs_actuator::bench::{Bench, PendulumRig};
+use sealegs_model::Record;
+use std::fmt::Write;
+
+/// Which bench.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rig {
+    /// Both links held.
+    Locked,
+    /// The screw turns the dissertation's pendulum.
+    Pendulum,
+}
+
+impl Rig {
+    /// The name in files.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Locked => "locked",
+            Self::Pendulum => "pendulum",
+        }
+    }
+
+    /// The bench that it stands for.
+    #[must_use]
+    pub fn bench(self) -> Bench {
+        match self {
+            Self::Locked => Bench::Locked,
+            Self::Pendulum => Bench::Pendulum(PendulumRig::default()),
+        }
+    }
+
+    /// Lever arm, m.
+    fn arm_m(self) -> f64 {
+        PendulumRig::default().arm_m
+    }
+}
+
+/// Rows per second.
+pub const RATE_HZ: f64 = 1000.0;
+
+/// Steps of the integrator per row: 10 us. Halving it changes no signal by a tenth of its noise, whatever is hidden.
+pub const SUBSTEPS: usize = 100;
+
+/// Greatest swing of the pendulum, rad: beyond it the bench would be another one.
+const MOST_SWING_RAD: f64 = 1.2;
+
+/// What is to be made.
+#[derive(Debug, Clone)]
+pub struct Order {
+    /// The campaign's name.
+    pub name: String,
+    /// The bench.
+    pub rig: Rig,
+    /// Seed of the individual, the commands and the noise.
+    pub seed: u64,
+    /// What is hidden.
+    pub hidden: Vec<Hidden>,
+    /// Duration of a run, s.
+    pub duration_s: f64,
+    /// Steps of the integrator per row.
+    pub substeps: usize,
+}
+
+/// A run as it was recorded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MadeRun {
+    /// Held out rather than fitted.
+    pub holdout: bool,
+    /// Its name is its file's.
+    pub record: Record,
+}
+
+/// A campaign and the truth about it.
+#[derive(Debug, Clone)]
+pub struct Made {
+    /// Its name.
+    pub name: String,
+    /// The bench.
+    pub rig: Rig,
+    /// The preset.
+    pub actuator: &'static str,
+    /// The stated noise, one standard deviation, by column.
+    pub noise_std: Vec<(&'static str, f64)>,
+    /// The runs, those to fit on first.
+    pub runs: Vec<MadeRun>,
+    /// The individual.
+    pub individual: Individual,
+    /// What is hidden.
+    pub hidden: Vec<Hidden>,
+}
+
+/// The actuator that campaigns are made of.
+const ACTUATOR: &str = "thor-linear";
+
+impl Order {
+    /// Makes it. The same order gives the same bits.
+    ///
+    /// # Panics
+    ///
+    /// Only if the preset that comes with the program cannot be read.
+    #[must_use]
+    pub fn make(&self) -> Made {
+        let spec = ActuatorSpec::preset(ACTUATOR).unwrap_or_else(|e| panic!("a preset: {e}"));
+        let individual = Individual::drawn(self.seed);
+        let plain = individual.on(&spec, self.rig.bench());
+        let machine = self.hidden.iter().fold(plain.clone(), |r, h| h.put_into(r));
+        let deflection_sensor = self.hidden.iter().any(|h| Hidden::needs_deflection_sensor(&h.id));
+        let logger = Logger {
+            rig: self.rig,
+            spec: &spec,
+            individual: &individual,
+            deflection_sensor,
+            beyond: self.hidden.iter().find_map(|h| h.beyond),
+            seed: self.seed,
+            period_s: 1.0 / RATE_HZ,
+        };
+        let runs = commands::plan(self.rig, self.seed, self.duration_s, RATE_HZ).map(|mut planned| {
+            self.keep_upright(&plain, &mut planned.command);
+            let truth = machine.run(1.0 / RATE_HZ, &planned.command, self.substeps);
+            MadeRun { holdout: planned.holdout, record: logger.write(planned.file, &planned.command, &truth) }
+        });
+        Made {
+            name: self.name.clone(),
+            rig: self.rig,
+            actuator: ACTUATOR,
+            noise_std: logger::sensors(self.rig, deflection_sensor),
+            runs: runs.to_vec(),
+            individual,
+            hidden: self.hidden.clone(),
+        }
+    }
+
+    /// Makes a command smaller until the pendulum, without the hidden effect, stays within its swing.
+    fn keep_upright(&self, plain: &crate::Reference, command: &mut [f64]) {
+        if self.rig == Rig::Locked {
+            return;
+        }
+        // A first look: coarse steps will do.
+        let swing = |command: &[f64]| {
+            let x = plain.run(1.0 / RATE_HZ, command, 4).link_2;
+            x.iter().fold(0.0f64, |m, x| m.max(x.abs())) / self.rig.arm_m()
+        };
+        while swing(command) > MOST_SWING_RAD {
+            command.iter_mut().for_each(|c| *c *= 0.85);
+        }
+    }
+}
+
+impl Made {
+    /// The text of `campaign.toml`.
+    #[must_use]
+    pub fn description(&self) -> String {
+        let mut text = format!(
+            "name = \"{}\"\nbench = \"{}\"\nactuator = \"{}\"\nsample_rate_hz = {RATE_HZ:.1}\n\n[noise_std]\n",
+            self.name,
+            self.rig.as_str(),
+            self.actuator
+        );
+        for (channel, std) in &self.noise_std {
+            let _ = writeln!(text, "{channel} = {std:.3e}");
+        }
+        for run in &self.runs {
+            let role = if run.holdout { "holdout" } else { "fit" };
+            let _ = write!(text, "\n[[run]]\nfile = \"{}\"\nrole = \"{role}\"\n", run.record.name);
+        }
+        text
+    }
+
+    /// The text of a run's file.
+    #[must_use]
+    pub fn csv(run: &MadeRun) -> String {
+        let record = &run.record;
+        let signals: Vec<_> = record.inputs.iter().chain(&record.outputs).collect();
+        let mut text = "time_s".to_owned();
+        for signal in &signals {
+            text.push(',');
+            text.push_str(&signal.channel);
+        }
+        text.push('\n');
+        for (n, t) in record.time_s.iter().enumerate() {
+            let _ = write!(text, "{t:.4}");
+            for signal in &signals {
+                let v = signal.values[n];
+                // Digits enough that rounding is far below each sensor's error.
+                let _ = match signal.channel.as_str() {
+                    "current_a" => write!(text, ",{v:.5}"),
+                    "spring_deflection_m" => write!(text, ",{v:.8}"),
+                    c if c.ends_with("_rad") => write!(text, ",{v:.7}"),
+                    _ => write!(text, ",{v:.2}"),
+                };
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    /// Every file of the campaign's folder: name and text.
+    #[must_use]
+    pub fn files(&self) -> Vec<(String, String)> {
+        let runs = self.runs.iter().map(|run| (run.record.name.clone(), Self::csv(run)));
+        std::iter::once(("campaign.toml".to_owned(), self.description())).chain(runs).collect()
+    }
+}

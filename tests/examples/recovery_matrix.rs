@@ -1,0 +1,115 @@
+//! Makes the recovery matrix: `cargo run --release --example recovery_matrix -- --strengths 3 --seeds 3`.
+//!
+//! It runs long, and can be stopped: every campaign's outcome is a line of the results file, and those that are there
+//! already are not made again. Lines of an older program stay until their file is removed.
+
+use clap::Parser;
+use sealegs_reference::campaign::Rig;
+use sealegs_tests::matrix::{Asked, DURATION_S, Outcome, cases, run, table};
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// The recovery matrix
+#[derive(Parser)]
+struct Arguments {
+    /// Strengths: 1 middle, 2 and dominant, 3 and weak
+    #[arg(long, default_value_t = 3)]
+    strengths: usize,
+    /// Individuals per effect, bench and strength
+    #[arg(long, default_value_t = 3)]
+    seeds: u64,
+    /// One row only, for example backlash, nothing, "backlash + coulomb-friction"
+    #[arg(long)]
+    only: Option<String>,
+    /// locked or pendulum only
+    #[arg(long, value_parser = rig)]
+    bench: Option<Rig>,
+    /// Threads
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Outcomes, one line each
+    #[arg(long, default_value = "target/recovery-matrix/results.jsonl")]
+    results: PathBuf,
+    /// Where campaigns are made, and those stay that were not diagnosed right
+    #[arg(long, default_value = "target/recovery-matrix/campaigns")]
+    campaigns: PathBuf,
+    /// The page
+    #[arg(long, default_value = "tests/recovery-matrix.md")]
+    page: PathBuf,
+}
+
+fn rig(name: &str) -> Result<Rig, String> {
+    [Rig::Locked, Rig::Pendulum]
+        .into_iter()
+        .find(|r| r.as_str() == name)
+        .ok_or_else(|| "locked or pendulum".to_owned())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
+    std::fs::create_dir_all(&arguments.campaigns)?;
+    if let Some(folder) = arguments.results.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    let asked = Asked {
+        strengths: arguments.strengths,
+        seeds: arguments.seeds,
+        only: arguments.only,
+        rig: arguments.bench,
+    };
+    let mut done = read(&arguments.results)?;
+    let wanted = cases(&asked);
+    for (number, case) in wanted.iter().enumerate() {
+        if done.iter().any(|o| o.name == case.name()) {
+            continue;
+        }
+        let outcome = run(case, DURATION_S, &arguments.campaigns)?;
+        let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&arguments.results)?;
+        writeln!(file, "{}", serde_json::to_string(&outcome)?)?;
+        eprintln!(
+            "{}/{} {}: {}, {} {} ({:.2} -> {:.2}, {:.0} s)",
+            number + 1,
+            wanted.len(),
+            outcome.name,
+            outcome.score,
+            outcome.verdict,
+            outcome.said.join(" + "),
+            outcome.base_error,
+            outcome.after_error,
+            outcome.seconds
+        );
+        done.push(outcome);
+    }
+    // In the order of the table, whatever the order in which they were made.
+    let all = Asked { strengths: 3, only: None, rig: None, ..asked };
+    let order: Vec<String> = cases(&all).iter().map(|c| c.name()).collect();
+    let place = |o: &Outcome| order.iter().position(|n| *n == o.name).unwrap_or(order.len());
+    done.sort_by_key(place);
+    std::fs::write(&arguments.page, table(&done, &today()))?;
+    Ok(())
+}
+
+/// The outcomes that are there; a last line that was cut short is left out.
+fn read(path: &Path) -> Result<Vec<Outcome>, Box<dyn Error>> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = std::fs::read_to_string(path)?;
+    let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+    whole.lines().map(|line| Ok(serde_json::from_str(line)?)).collect()
+}
+
+/// Today's date in UTC, by the civil calendar (H. Hinnant, `civil_from_days`).
+fn today() -> String {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    let z = seconds / 86_400 + 719_468;
+    let (era, of_era) = (z / 146_097, z % 146_097);
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let day = of_era - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let (d, m) = (day - (153 * month + 2) / 5 + 1, if month < 10 { month + 3 } else { month - 9 });
+    format!("{}-{m:02}-{d:02}", year + era * 400 + u64::from(m <= 2))
+}

@@ -1,0 +1,215 @@
+//! The recovery matrix: campaigns with a known answer through the whole diagnosis, scored.
+//!
+//! Every effect of the catalogue on both benches at three strengths with several individuals, pairs of effects,
+//! campaigns with nothing hidden, and with effects of no catalogue, all by the independent simulator
+//! (`sealegs-reference`) at a fine step. The runs are shorter than a real campaign's, to keep it affordable.
+
+mod table;
+
+pub use table::table;
+
+use sealegs_cli::bench_model;
+use sealegs_cli::mystery::score::{Score, score};
+use sealegs_cli::mystery::trial::{Strength, visible};
+use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
+use sealegs_sysid::{Campaign, diagnose};
+use serde::{Deserialize, Serialize};
+use std::error::Error;
+use std::path::Path;
+use std::time::Instant;
+
+/// Duration of a run of the whole matrix, s.
+pub const DURATION_S: f64 = 8.0;
+
+/// Effects narrowed down to one sensor, beside the catalogue's own ids.
+const NARROWED: [&str; 3] =
+    ["sensor-lag@force_1_n", "sensor-delay@motor_angle_rad", "sensor-delay@force_2_n"];
+
+/// Campaigns with nothing hidden, per bench and seed: false alarms are to be counted in per cent.
+const CLEAN_PER_SEED: u64 = 5;
+
+/// What is asked for.
+#[derive(Debug, Clone)]
+pub struct Asked {
+    /// How many strengths, the weakest last to go: 1 is the middle one alone, 2 adds the dominant one.
+    pub strengths: usize,
+    /// Individuals per effect, bench and strength.
+    pub seeds: u64,
+    /// This effect only (`nothing` for the campaigns without one).
+    pub only: Option<String>,
+    /// This bench only.
+    pub rig: Option<Rig>,
+}
+
+/// One campaign of the matrix.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// What is hidden; empty for nothing.
+    pub ids: Vec<&'static str>,
+    /// Where.
+    pub rig: Rig,
+    /// How strong each of it is.
+    pub strength: Strength,
+    /// Which individual, from 1 on.
+    pub seed: u64,
+}
+
+/// Name of the row of campaigns with nothing hidden.
+pub const NOTHING: &str = "nothing";
+
+impl Case {
+    /// The row of the table.
+    #[must_use]
+    pub fn row(&self) -> String {
+        if self.ids.is_empty() { NOTHING.to_owned() } else { self.ids.join(" + ") }
+    }
+
+    /// A name that no other case has, and a folder may have.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let row = self.row().replace(" + ", "+");
+        format!("{row}-{}-{}-{}", self.rig.as_str(), self.strength.as_str(), self.seed)
+    }
+}
+
+/// Every case that is asked for, in the order of the table.
+#[must_use]
+pub fn cases(asked: &Asked) -> Vec<Case> {
+    use Strength::{Dominant, Middle, Weak};
+    let strengths = &[Middle, Dominant, Weak][..asked.strengths.clamp(1, 3)];
+    let mut rows: Vec<(Vec<&'static str>, Vec<Strength>, u64)> = Vec::new();
+    for id in CATALOGUE.iter().chain(&NARROWED) {
+        rows.push((vec![*id], strengths.to_vec(), asked.seeds));
+    }
+    rows.extend(PAIRS.iter().map(|pair| (pair.to_vec(), vec![Middle], asked.seeds)));
+    rows.push((Vec::new(), vec![Weak], asked.seeds * CLEAN_PER_SEED));
+    let strong: Vec<Strength> = strengths.iter().copied().filter(|s| *s != Weak).collect();
+    rows.extend(BEYOND.iter().map(|id| (vec![*id], strong.clone(), asked.seeds)));
+    let mut all = Vec::new();
+    for (ids, strengths, seeds) in rows {
+        for rig in [Rig::Locked, Rig::Pendulum] {
+            if asked.rig.is_some_and(|r| r != rig) || !ids.iter().all(|id| Hidden::applies(id, rig)) {
+                continue;
+            }
+            for strength in &strengths {
+                for seed in 1..=seeds {
+                    all.push(Case { ids: ids.clone(), rig, strength: *strength, seed });
+                }
+            }
+        }
+    }
+    all.retain(|case| asked.only.as_ref().is_none_or(|only| case.row() == *only));
+    all
+}
+
+/// What came out, as a line of the results file keeps it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Outcome {
+    /// [`Case::name`].
+    pub name: String,
+    /// The row of the table.
+    pub row: String,
+    /// The bench.
+    pub bench: String,
+    /// The strength.
+    pub strength: String,
+    /// The score in words; `invisible` where no strength lets it show on this bench.
+    pub score: String,
+    /// The verdict in the data contract's words.
+    pub verdict: String,
+    /// What was named.
+    pub said: Vec<String>,
+    /// What could not be told from it.
+    pub tied: Vec<Vec<String>>,
+    /// Error of the base model on the holdout runs, noise units.
+    pub base_error: f64,
+    /// The same with what was named.
+    pub after_error: f64,
+    /// Greatest relative error of a parameter of the effect, where exactly the hidden ones were named.
+    pub worst_parameter: Option<f64>,
+    /// Time of the diagnosis, s.
+    pub seconds: f64,
+}
+
+/// The score of a case that cannot be made.
+pub const INVISIBLE: &str = "invisible";
+
+/// Makes a case's campaign of runs of a duration, as files in `folder/NAME`, diagnoses it and scores the verdict. The folder stays where
+/// the verdict is neither right nor tied.
+///
+/// # Errors
+///
+/// If a file cannot be written or read, or nothing can be simulated.
+pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<dyn Error>> {
+    let name = case.name();
+    let plain = Order {
+        name: name.clone(),
+        rig: case.rig,
+        seed: Draws::of(case.seed, &name).seed(),
+        hidden: Vec::new(),
+        duration_s,
+        substeps: SUBSTEPS,
+    };
+    let mut outcome = Outcome {
+        name: name.clone(),
+        row: case.row(),
+        bench: case.rig.as_str().to_owned(),
+        strength: case.strength.as_str().to_owned(),
+        score: INVISIBLE.to_owned(),
+        verdict: String::new(),
+        said: Vec::new(),
+        tied: Vec::new(),
+        base_error: 1.0,
+        after_error: 1.0,
+        worst_parameter: None,
+        seconds: 0.0,
+    };
+    let mut hidden = Vec::new();
+    for id in &case.ids {
+        match visible(&plain, id, case.strength)? {
+            Some(effect) => hidden.push(effect),
+            None => return Ok(outcome),
+        }
+    }
+    let made = Order { hidden, ..plain }.make();
+    let place = folder.join(&name);
+    std::fs::create_dir_all(&place)?;
+    for (file, text) in made.files() {
+        std::fs::write(place.join(file), text)?;
+    }
+    let mut campaign = Campaign::read(&place)?;
+    let model = bench_model::of_campaign(&mut campaign, None)?;
+    let started = Instant::now();
+    let found = diagnose::diagnose(&campaign, &model, &diagnose::Options::default(), &|_| ())?;
+    outcome.seconds = started.elapsed().as_secs_f64();
+    let verdict = &found.verdict;
+    let ids: Vec<String> = made.hidden.iter().map(|h| h.id.clone()).collect();
+    let known = made.hidden.iter().all(|h| h.beyond.is_none());
+    let scored = score(&ids, known, verdict.kind.as_str(), &verdict.effects, &verdict.indistinguishable);
+    outcome.score = scored.to_string();
+    outcome.verdict = verdict.kind.as_str().to_owned();
+    outcome.said.clone_from(&verdict.effects);
+    outcome.tied.clone_from(&verdict.indistinguishable);
+    outcome.base_error = verdict.base.holdout_error;
+    outcome.after_error = verdict.after.holdout_error;
+    if scored == Score::Right {
+        let fitted = &found.found.tried[verdict.after.index].fit.parameters;
+        outcome.worst_parameter =
+            worst_parameter(&made, |name| fitted.iter().find(|p| p.name == name).map(|p| p.value));
+    }
+    if matches!(scored, Score::Right | Score::Tied) {
+        std::fs::remove_dir_all(&place)?;
+    }
+    Ok(outcome)
+}
+
+/// Greatest relative error of the hidden effects' parameters by their fitted values. A phase has no ratio, a
+/// choice of rounding is no quantity.
+fn worst_parameter(made: &Made, fitted: impl Fn(&str) -> Option<f64>) -> Option<f64> {
+    made.hidden
+        .iter()
+        .flat_map(|h| h.parameters.iter().map(move |(name, truth)| (format!("{}.{name}", h.id), *truth)))
+        .filter(|(name, _)| !name.ends_with("phase_rad") && !name.ends_with("rounding"))
+        .filter_map(|(name, truth)| Some((fitted(&name)? / truth - 1.0).abs()))
+        .max_by(f64::total_cmp)
+}

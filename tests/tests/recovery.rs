@@ -1,0 +1,29 @@
+//! A slice of the recovery matrix: the whole of it takes hours (`cargo run --release --example recovery_matrix`).
+
+use sealegs_cli::mystery::score::Score;
+use sealegs_cli::mystery::trial::Strength;
+use sealegs_reference::campaign::Rig;
+use sealegs_tests::matrix::{Case, run, table};
+
+/// Duration of a run, s: the shortest in which the chirp is still one.
+const DURATION_S: f64 = 3.0;
+
+#[test]
+fn reference_a_slice_of_the_matrix_is_right_or_tied() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = |ids: Vec<&'static str>, strength| Case { ids, rig: Rig::Locked, strength, seed: 1 };
+    let cases = [case(Vec::new(), Strength::Weak), case(vec!["hardening-spring"], Strength::Middle)];
+    let outcomes: Vec<_> = cases.iter().map(|c| run(c, DURATION_S, folder.path()).unwrap()).collect();
+    for outcome in &outcomes {
+        let good = [Score::Right, Score::Tied].iter().any(|s| s.as_str() == outcome.score);
+        assert!(good, "{outcome:?}");
+        assert!(outcome.after_error < 1.15, "{outcome:?}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "what is right is not kept");
+    let page = table(&outcomes, "today");
+    assert!(
+        page.contains("| hardening-spring |  | R |") || page.contains("| hardening-spring |  | t |"),
+        "{page}"
+    );
+    assert!(page.contains("| nothing hidden | 1 | 1 |"), "{page}");
+}
