@@ -59,8 +59,29 @@ pub(crate) fn moment_arms(engine: &Engine, actuators: &[Actuator], dofs: usize) 
 struct JointCommand {
     posture: f64,
     motion: Option<Motion>,
+    /// Recorded positions in place of a motion: times, s, and rad.
+    given: Option<(Vec<f64>, Vec<f64>)>,
     stiffness: f64,
     damping: f64,
+}
+
+impl JointCommand {
+    /// Where the joint is to be at a time, with speed and acceleration: rad, rad/s, rad/s^2. Between recorded
+    /// positions it goes straight, at both ends it rests.
+    fn wanted(&self, time_s: f64) -> [f64; 3] {
+        let Some((times, positions)) = &self.given else {
+            return self.motion.map_or([self.posture, 0.0, 0.0], |m| m.at(time_s, self.posture));
+        };
+        let after = times.partition_point(|t| *t <= time_s);
+        match (after.checked_sub(1), positions.get(after)) {
+            (Some(before), Some(next)) => {
+                let slope = (next - positions[before]) / (times[after] - times[before]);
+                [positions[before] + slope * (time_s - times[before]), slope, 0.0]
+            }
+            (Some(last), None) => [positions[last], 0.0, 0.0],
+            (None, first) => [first.copied().unwrap_or(self.posture), 0.0, 0.0],
+        }
+    }
 }
 
 /// The controller of a run.
@@ -97,6 +118,7 @@ impl Controller {
                 JointCommand {
                     posture,
                     motion: scenario.motion.get(&joint.name).copied(),
+                    given: None,
                     stiffness: own.stiffness_nm_rad.unwrap_or(spec.stiffness_nm_rad),
                     damping: own.damping_nm_s_rad.unwrap_or(spec.damping_nm_s_rad),
                 }
@@ -140,8 +162,12 @@ impl Controller {
 
     /// Where a joint is to be at a time, rad.
     pub fn target_rad(&self, dof: usize, time_s: f64) -> f64 {
-        let joint = &self.joints[dof];
-        joint.motion.map_or(joint.posture, |m| m.at(time_s, joint.posture)[0])
+        self.joints[dof].wanted(time_s)[0]
+    }
+
+    /// Wants a joint at recorded positions.
+    pub fn give_target(&mut self, dof: usize, time_s: Vec<f64>, position_rad: Vec<f64>) {
+        self.joints[dof].given = Some((time_s, position_rad));
     }
 
     /// Whether a new command is due at this step.
@@ -172,8 +198,7 @@ impl Controller {
         let (mut torques, mut speeds, mut accelerations) =
             (DVector::zeros(dofs), DVector::zeros(dofs), DVector::zeros(dofs));
         for (dof, joint) in self.joints.iter().enumerate() {
-            let [position, speed, acceleration] =
-                joint.motion.map_or([joint.posture, 0.0, 0.0], |m| m.at(time_s, joint.posture));
+            let [position, speed, acceleration] = joint.wanted(time_s);
             torques[dof] =
                 joint.stiffness * (position - engine.q[dof]) + joint.damping * (speed - motor_speeds[dof]);
             if self.gravity_compensation {

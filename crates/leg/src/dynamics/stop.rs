@@ -20,6 +20,33 @@ impl Default for StopLaw {
     }
 }
 
+/// A stop inside a joint's range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ExtraStop {
+    /// The joint's degree of freedom.
+    pub dof: usize,
+    /// Where it begins, rad or m.
+    pub angle_rad: f64,
+    /// Whether it is above the angle, and pushes down.
+    pub upward: bool,
+    /// Stiffness, N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// Damping, N m s/rad.
+    pub damping_nm_s_rad: f64,
+}
+
+impl ExtraStop {
+    /// Torque at a position and speed: it pushes back and never pulls.
+    fn torque(&self, q: f64, speed: f64) -> f64 {
+        let past = q - self.angle_rad;
+        if (past > 0.0) != self.upward || past == 0.0 {
+            return 0.0;
+        }
+        let push = -self.stiffness_nm_rad * past - self.damping_nm_s_rad * speed;
+        if self.upward { push.min(0.0) } else { push.max(0.0) }
+    }
+}
+
 /// Deflection at which dry joint friction reaches its bound, rad or m: elastic until it slips, so that a
 /// resting joint rests. A numerical regularisation, not physical.
 const PRESLIDING_RAD: f64 = 1e-4;
@@ -46,10 +73,11 @@ struct JointLosses {
 pub(crate) struct Stops {
     law: StopLaw,
     joints: Vec<JointLosses>,
+    extra: Vec<ExtraStop>,
 }
 
 impl Stops {
-    pub fn new(law: StopLaw, robot: &Robot, tree: &Tree, engine: &Engine) -> Self {
+    pub fn new(law: StopLaw, extra: Vec<ExtraStop>, robot: &Robot, tree: &Tree, engine: &Engine) -> Self {
         let joints = tree
             .bodies
             .iter()
@@ -73,7 +101,7 @@ impl Stops {
                 }
             })
             .collect();
-        Self { law, joints }
+        Self { law, joints, extra }
     }
 
     /// Takes up the pose at the start.
@@ -108,6 +136,9 @@ impl Stops {
                 let stiffness = joint.friction / PRESLIDING_RAD;
                 joint.bristle = (joint.bristle - stiffness * moved).clamp(-joint.friction, joint.friction);
                 torque += joint.bristle;
+            }
+            for stop in self.extra.iter().filter(|s| s.dof == joint.dof) {
+                torque += stop.torque(q, speed);
             }
             joint.torque = torque;
             if torque != 0.0 {

@@ -173,8 +173,8 @@ impl Scenario {
             for (name, value) in &changes.parameters {
                 let field = format!("actuator.{actuator}.parameters.{name}");
                 match name.as_str() {
-                    "damping" | "sprung_mass" => not_negative(&field, *value)?,
-                    _ => positive(&field, *value)?,
+                    "damping" | "sprung_mass" => not_negative(&field, value.value)?,
+                    _ => positive(&field, value.value)?,
                 }
             }
         }
@@ -197,6 +197,12 @@ impl Scenario {
             profile
                 .validate()
                 .map_err(|e| LegError::scenario(file, &format!("current.{actuator}"), e.to_string()))?;
+        }
+        for (index, effect) in self.effects.iter().enumerate() {
+            effect.validate(index)?;
+        }
+        for (channel, sensor) in &self.sensors {
+            sensor.validate(channel)?;
         }
         for height in self.sweep.iter().flat_map(|s| &s.heights_m) {
             not_negative("sweep.heights_m", *height)?;
@@ -276,7 +282,7 @@ mod tests {
         .expect("good");
         assert_eq!(scenario.start.drop_height_m, 1.0);
         assert_eq!(scenario.actuators.spring.as_deref(), Some("stiff"));
-        assert_eq!(scenario.actuator["knee"].parameters["stiffness"], 5e5);
+        assert_eq!(scenario.actuator["knee"].parameters["stiffness"].value, 5e5);
         assert_eq!(scenario.base, BaseSpec::Rail { carriage_mass_kg: 7.0 });
     }
 

@@ -27,7 +27,7 @@ pub(super) struct Parts {
 }
 
 /// The robot of a scenario.
-pub(super) fn load_robot(scenario: &Scenario) -> Result<Robot, LegError> {
+pub(crate) fn load_robot(scenario: &Scenario) -> Result<Robot, LegError> {
     let beside = |file: &str| match &scenario.folder {
         Some(folder) if folder.join(file).is_file() => folder.join(file),
         _ => Path::new(file).to_owned(),
@@ -44,8 +44,8 @@ impl Parts {
         let mut models = Vec::new();
         for placement in &mut robot.actuators {
             let Some(spec) = placement.spec.as_ref() else { continue };
-            let spec = with_overrides(scenario, &placement.name, spec)?;
-            let coefficients = coefficients(scenario, &placement.name, &spec)?;
+            let spec = actuator_spec(scenario, &placement.name, spec)?;
+            let coefficients = actuator_coefficients(scenario, &placement.name, &spec)?;
             if coefficients.configuration == Configuration::Lumped {
                 // The lumped mass has no weight of its own: the link keeps what it has.
                 placement.sprung_mass_in = None;
@@ -160,7 +160,11 @@ fn check_names(scenario: &Scenario, robot: &Robot) -> Result<(), LegError> {
 }
 
 /// The actuator with the scenario's spring setting and configuration.
-fn with_overrides(scenario: &Scenario, name: &str, spec: &ActuatorSpec) -> Result<ActuatorSpec, LegError> {
+pub(crate) fn actuator_spec(
+    scenario: &Scenario,
+    name: &str,
+    spec: &ActuatorSpec,
+) -> Result<ActuatorSpec, LegError> {
     let own = scenario.actuator.get(name);
     let setting = own.and_then(|o| o.spring.as_ref()).or(scenario.actuators.spring.as_ref());
     let mut spec = match setting {
@@ -174,17 +178,23 @@ fn with_overrides(scenario: &Scenario, name: &str, spec: &ActuatorSpec) -> Resul
 }
 
 /// The numbers of an actuator with the scenario's parameters in place of its own.
-fn coefficients(scenario: &Scenario, name: &str, spec: &ActuatorSpec) -> Result<Coefficients, LegError> {
+pub(crate) fn actuator_coefficients(
+    scenario: &Scenario,
+    name: &str,
+    spec: &ActuatorSpec,
+) -> Result<Coefficients, LegError> {
     let mut c = spec.coefficients();
     let parameters = scenario.actuator.get(name).map(|o| &o.parameters);
-    for (parameter, value) in parameters.into_iter().flatten() {
+    for (parameter, given) in parameters.into_iter().flatten() {
+        let value = given.value;
         match parameter.as_str() {
-            "stiffness" => c.stiffness = *value,
-            "reflected_inertia" => c.reflected_inertia = *value,
-            "damping" => c.damping = *value,
-            "force_constant" => c.force_constant = *value,
-            "motor_gain" => c.force_constant *= *value,
-            "sprung_mass" => c.sprung_mass = *value,
+            "stiffness" => c.stiffness = value,
+            "stiffness_ratio" => c.stiffness *= value,
+            "reflected_inertia" => c.reflected_inertia = value,
+            "damping" => c.damping = value,
+            "force_constant" => c.force_constant = value,
+            "motor_gain" => c.force_constant *= value,
+            "sprung_mass" => c.sprung_mass = value,
             other => {
                 let known = [
                     "stiffness",
