@@ -12,9 +12,11 @@
 use crate::LegError;
 use crate::dynamics::coupling::Actuator;
 use crate::dynamics::engine::Engine;
-use crate::robot::Robot;
+use crate::robot::Inertial;
 use crate::scenario::{ControllerKind, Motion, Scenario};
+use crate::simulation::LegDescription;
 use nalgebra::{DMatrix, DVector};
+use sealegs_actuator::Coefficients;
 use sealegs_actuator::excitation::Profile;
 
 /// The forces along the actuators that come nearest to the joint torques, the smallest such forces where
@@ -95,6 +97,10 @@ pub(crate) struct Controller {
     joints: Vec<JointCommand>,
     profiles: Vec<Option<Profile>>,
     limits_a: Vec<f64>,
+    /// The actuators' numbers as the controller knows them.
+    known: Vec<Coefficients>,
+    /// The bodies as it knows them, where they are others.
+    known_bodies: Option<Vec<Option<Inertial>>>,
     /// The commanded currents that hold now, A.
     pub currents_a: Vec<f64>,
     /// Which of them are clipped.
@@ -102,15 +108,17 @@ pub(crate) struct Controller {
 }
 
 impl Controller {
-    /// The controller of a scenario for the actuators with these names and current limits.
+    /// The controller of a scenario for a leg. It knows the actuators as their files and spring settings state
+    /// them, not as the single one in the leg is, and the bodies as `known_bodies` where that is given.
     pub fn new(
         scenario: &Scenario,
-        robot: &Robot,
+        leg: &LegDescription,
         start_q: &[f64],
-        actuators: &[(String, f64)],
+        known_bodies: Option<Vec<Option<Inertial>>>,
     ) -> Result<Self, LegError> {
         let spec = &scenario.controller;
-        let joints = robot
+        let joints = leg
+            .robot
             .moving_joints()
             .zip(start_q)
             .map(|(joint, &posture)| {
@@ -125,7 +133,7 @@ impl Controller {
             })
             .collect();
         let mut profiles = Vec::new();
-        for (name, _) in actuators {
+        for name in leg.actuators.iter().map(|a| &a.name) {
             profiles.push(match (scenario.current.get(name), scenario.current_file.get(name)) {
                 (Some(profile), None) => Some(profile.clone()),
                 (None, None) => None,
@@ -154,9 +162,11 @@ impl Controller {
             feed_forward: spec.feed_forward,
             joints,
             profiles,
-            limits_a: actuators.iter().map(|a| a.1.min(limit)).collect(),
-            currents_a: vec![0.0; actuators.len()],
-            saturated: vec![false; actuators.len()],
+            limits_a: leg.actuators.iter().map(|a| a.current_limit_a.min(limit)).collect(),
+            known: leg.actuators.iter().map(|a| a.nominal).collect(),
+            known_bodies,
+            currents_a: vec![0.0; leg.actuators.len()],
+            saturated: vec![false; leg.actuators.len()],
         })
     }
 
@@ -181,9 +191,9 @@ impl Controller {
             ControllerKind::Free => DVector::zeros(actuators.len()),
             ControllerKind::Pd => self.pd(time_s, engine, actuators),
         };
-        for (i, actuator) in actuators.iter().enumerate() {
+        for i in 0..actuators.len() {
             let by_profile = self.profiles[i].as_ref().map_or(0.0, |p| p.at(time_s));
-            let wanted = forces[i] / actuator.coefficients.force_constant + by_profile;
+            let wanted = forces[i] / self.known[i].force_constant + by_profile;
             let limit = self.limits_a[i];
             self.currents_a[i] = wanted.clamp(-limit, limit);
             self.saturated[i] = wanted.abs() > limit;
@@ -194,7 +204,10 @@ impl Controller {
         let dofs = self.joints.len();
         let arms = moment_arms(engine, actuators, dofs);
         let motor_speeds = seen_at_joints(&arms, actuators);
-        let weight = engine.gravity_forces();
+        let weight = match &self.known_bodies {
+            Some(bodies) => engine.gravity_forces_of(bodies),
+            None => engine.gravity_forces(),
+        };
         let (mut torques, mut speeds, mut accelerations) =
             (DVector::zeros(dofs), DVector::zeros(dofs), DVector::zeros(dofs));
         for (dof, joint) in self.joints.iter().enumerate() {
@@ -210,8 +223,7 @@ impl Controller {
         let mut forces = share_out(&arms, &torques);
         if self.feed_forward {
             let (rates, rate_changes) = (&arms * speeds, &arms * accelerations);
-            for (i, actuator) in actuators.iter().enumerate() {
-                let c = &actuator.coefficients;
+            for (i, c) in self.known.iter().enumerate() {
                 forces[i] += c.damping * rates[i] + c.reflected_inertia * rate_changes[i];
             }
         }

@@ -55,7 +55,7 @@ impl CommandLine {
             sum += value * (at - since);
             (since, value) = (at, next);
         }
-        if since == from_s { value } else { (sum + value * (to_s - since)) / step_s }
+        if since <= from_s { value } else { (sum + value * (to_s - since)) / step_s }
     }
 }
 

@@ -20,31 +20,17 @@ impl Default for StopLaw {
     }
 }
 
-/// A stop inside a joint's range.
+/// A stop that differs at one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ExtraStop {
+pub(crate) struct JointStopChange {
     /// The joint's degree of freedom.
     pub dof: usize,
-    /// Where it begins, rad or m.
-    pub angle_rad: f64,
-    /// Whether it is above the angle, and pushes down.
-    pub upward: bool,
-    /// Stiffness, N m/rad.
-    pub stiffness_nm_rad: f64,
-    /// Damping, N m s/rad.
-    pub damping_nm_s_rad: f64,
-}
-
-impl ExtraStop {
-    /// Torque at a position and speed: it pushes back and never pulls.
-    fn torque(&self, q: f64, speed: f64) -> f64 {
-        let past = q - self.angle_rad;
-        if (past > 0.0) != self.upward || past == 0.0 {
-            return 0.0;
-        }
-        let push = -self.stiffness_nm_rad * past - self.damping_nm_s_rad * speed;
-        if self.upward { push.min(0.0) } else { push.max(0.0) }
-    }
+    /// How much sooner than the URDF's limits it begins, rad or m.
+    pub sooner_rad: f64,
+    /// Its stiffness over that of the others.
+    pub stiffness_ratio: f64,
+    /// Its damping over that of the others.
+    pub damping_ratio: f64,
 }
 
 /// Deflection at which dry joint friction reaches its bound, rad or m: elastic until it slips, so that a
@@ -54,6 +40,7 @@ const PRESLIDING_RAD: f64 = 1e-4;
 /// The passive torques of one joint.
 #[derive(Debug, Clone)]
 struct JointLosses {
+    law: StopLaw,
     body: usize,
     parent: usize,
     dof: usize,
@@ -71,13 +58,17 @@ struct JointLosses {
 /// The passive torques of all joints.
 #[derive(Debug, Clone)]
 pub(crate) struct Stops {
-    law: StopLaw,
     joints: Vec<JointLosses>,
-    extra: Vec<ExtraStop>,
 }
 
 impl Stops {
-    pub fn new(law: StopLaw, extra: Vec<ExtraStop>, robot: &Robot, tree: &Tree, engine: &Engine) -> Self {
+    pub fn new(
+        law: StopLaw,
+        changes: &[JointStopChange],
+        robot: &Robot,
+        tree: &Tree,
+        engine: &Engine,
+    ) -> Self {
         let joints = tree
             .bodies
             .iter()
@@ -85,13 +76,20 @@ impl Stops {
             .filter_map(|(body, b)| b.joint.as_ref().map(|j| (body, j)))
             .map(|(body, j)| {
                 let joint = &robot.joints[j.joint];
+                let (mut law, mut sooner) = (law, 0.0);
+                for change in changes.iter().filter(|c| c.dof == j.dof) {
+                    law.stiffness_nm_rad *= change.stiffness_ratio;
+                    law.damping_nm_s_rad *= change.damping_ratio;
+                    sooner += change.sooner_rad;
+                }
                 JointLosses {
+                    law,
                     body,
                     parent: j.parent,
                     dof: j.dof,
                     slides: j.slides,
-                    lower: joint.limits.lower,
-                    upper: joint.limits.upper,
+                    lower: joint.limits.lower + sooner,
+                    upper: joint.limits.upper - sooner,
                     damping: joint.damping,
                     friction: joint.friction,
                     bristle: 0.0,
@@ -101,7 +99,7 @@ impl Stops {
                 }
             })
             .collect();
-        Self { law, joints, extra }
+        Self { joints }
     }
 
     /// Takes up the pose at the start.
@@ -128,7 +126,7 @@ impl Stops {
             let mut torque = -joint.damping * speed;
             joint.stopped = past != 0.0;
             if joint.stopped {
-                let push = -self.law.stiffness_nm_rad * past - self.law.damping_nm_s_rad * speed;
+                let push = -joint.law.stiffness_nm_rad * past - joint.law.damping_nm_s_rad * speed;
                 // A stop pushes back into the range only.
                 torque += if past > 0.0 { push.min(0.0) } else { push.max(0.0) };
             }
@@ -136,9 +134,6 @@ impl Stops {
                 let stiffness = joint.friction / PRESLIDING_RAD;
                 joint.bristle = (joint.bristle - stiffness * moved).clamp(-joint.friction, joint.friction);
                 torque += joint.bristle;
-            }
-            for stop in self.extra.iter().filter(|s| s.dof == joint.dof) {
-                torque += stop.torque(q, speed);
             }
             joint.torque = torque;
             if torque != 0.0 {

@@ -1,16 +1,13 @@
-//! Joint stop: something that a joint runs into before the limit of its URDF.
+//! Joint stop: what a joint runs into is softer, harder, or sooner than the scenario and the URDF say.
 
 use super::{Build, LegEffect, LegSetting, moving_joints};
-use crate::dynamics::stop::ExtraStop;
-use sealegs_actuator::effect::with_starts;
+use crate::dynamics::stop::JointStopChange;
+use sealegs_actuator::effect::{magnitude, with_neutral, with_starts};
 use sealegs_model::{EffectCard, Parameter};
 
-/// A stop inside a joint's range: a cable, a cover, a shifted end stop.
+/// Another stop at a joint: other rubber, a cable, a cover, a shifted end.
 #[derive(Debug)]
 pub struct JointStop;
-
-/// Shares of the range seen beyond which a stop is first looked for.
-const BEYOND: [f64; 2] = [0.75, 0.9];
 
 impl LegEffect for JointStop {
     fn id(&self) -> &'static str {
@@ -22,48 +19,43 @@ impl LegEffect for JointStop {
     }
 
     fn card(&self, place: &str, leg: &LegSetting) -> EffectCard {
-        let start = leg.scenario.start.posture_rad.get(place).copied().unwrap_or(0.0);
-        let limits = leg.robot.joint_index(place).map(|j| leg.robot.joints[j].limits.clone());
-        let (lower, upper) = limits.map_or((-3.0, 3.0), |l| (l.lower.max(-6.3), l.upper.min(6.3)));
+        let joint = leg.robot.joint_index(place).map(|j| leg.robot.joints[j].limits);
+        let (lower, upper) = joint.map_or((-1.0, 1.0), |l| (l.lower.max(-6.3), l.upper.min(6.3)));
+        // A joint that comes within the stop's reach is stopped by another stop first of all; one that does not by
+        // a stop inside its range.
         let seen = leg.seen.range(&format!("{place}.angle_rad"));
-        let (least, most) = seen.map_or((start - 0.1, start + 0.1), |r| (r.min, r.max));
-        let ends = if most - start > start - least { [most, least] } else { [least, most] };
-        let mut places: Vec<f64> = ends.iter().map(|end| start + BEYOND[0] * (end - start)).collect();
-        places.push(start + BEYOND[1] * (ends[0] - start));
-        places.iter_mut().for_each(|p| *p = p.clamp(lower, upper));
-        let angle =
-            Parameter { typical: 0.01, ..Parameter::new("angle_rad", "rad", places[0], lower, upper) };
-        let law = leg.scenario.stops;
-        let stiffness = Parameter {
-            neutral: Some(0.0),
-            typical: 0.1 * law.stiffness_nm_rad,
-            ..Parameter::new("stiffness_nm_rad", "N m/rad", 0.3 * law.stiffness_nm_rad, 0.0, 1e5)
+        let spare = seen.map_or(0.1, |r| (upper - r.max).min(r.min - lower));
+        let sooner = spare.max(0.0) + seen.map_or(0.05, |r| 0.15 * (r.max - r.min));
+        let margin = Parameter {
+            typical: 0.01,
+            ..Parameter::new("sooner_rad", "rad", 0.0, 0.0, 0.5 * (upper - lower).max(0.02))
         };
-        let relaxation = Parameter::new("relaxation_s", "s", 5e-3, 0.0, 0.1);
+        let inside = if spare > 0.0 { vec![sooner, spare + 0.3 * (sooner - spare)] } else { vec![0.02] };
         EffectCard {
             id: self.id().to_owned(),
-            summary: "A stop that a joint runs into before its URDF's limit.".to_owned(),
+            summary: "A joint's stop softer, harder or sooner than assumed.".to_owned(),
             acts_on: "output joint".to_owned(),
-            equation: "-k ((q - q_s) + tau q') past q_s, and it never pulls".to_owned(),
-            validity: "Past q_s is away from the posture at the start; tau is damping over stiffness."
+            equation: "-s k (q - q_l) - s_d d q' past q_l, sooner than the URDF's limit, and it never pulls"
                 .to_owned(),
-            reference: "A spring-damper stop, as at the URDF's limits".to_owned(),
-            parameters: vec![with_starts(angle, places[1..].iter().copied()), stiffness, relaxation],
+            validity: "Ratios to the scenario's [stops]; both limits of the joint move inwards alike."
+                .to_owned(),
+            reference: "A spring-damper stop, as the scenario's".to_owned(),
+            parameters: vec![
+                with_neutral(with_starts(margin, inside), 0.0),
+                with_neutral(magnitude("stiffness_ratio", "", 0.5, 1e-2, 100.0), 1.0),
+                with_neutral(magnitude("damping_ratio", "", 1.0, 1e-2, 100.0), 1.0),
+            ],
             passive: true,
         }
     }
 
     fn install(&self, values: &[f64], place: &str, leg: &mut Build) {
-        let start = leg.scenario.start.posture_rad.get(place).copied().unwrap_or(0.0);
         let Some(dof) = leg.robot.joint_index(place).and_then(|j| leg.robot.joints[j].dof) else { return };
-        if values[1] > 0.0 {
-            leg.stops.push(ExtraStop {
-                dof,
-                angle_rad: values[0],
-                upward: values[0] >= start,
-                stiffness_nm_rad: values[1],
-                damping_nm_s_rad: values[1] * values[2],
-            });
-        }
+        leg.stops.push(JointStopChange {
+            dof,
+            sooner_rad: values[0],
+            stiffness_ratio: values[1],
+            damping_ratio: values[2],
+        });
     }
 }

@@ -19,7 +19,7 @@ mod spring_setting;
 pub use at_actuator::NOT_ON_A_LEG;
 pub(crate) use placed::{EffectRef, Placed, SPRING_FORCE, candidates, laws, of_scenario, own_effects};
 
-use crate::dynamics::stop::ExtraStop;
+use crate::dynamics::stop::JointStopChange;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use sealegs_model::{EffectCard, Excitation};
@@ -46,8 +46,8 @@ pub struct Build {
     pub scenario: Scenario,
     /// The robot.
     pub robot: Robot,
-    /// Joint stops beside those at the URDF's limits.
-    pub(crate) stops: Vec<ExtraStop>,
+    /// Stops that differ at single joints.
+    pub(crate) stops: Vec<JointStopChange>,
 }
 
 /// A physical effect at a place of the leg that is no actuator's law.

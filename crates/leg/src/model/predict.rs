@@ -123,7 +123,9 @@ fn give_inputs(
         match Input::of(&input.channel, &case.robot) {
             Ok(Input::Current(actuator)) => {
                 let stages = simulation.laws(actuator).map_or(&[][..], |laws| &laws.command_stages);
-                let commands = mean_per_step(&record.time_s, &input.values, record.hold, stages, grid);
+                // The leapfrog's velocities belong to the middles between the steps.
+                let around = Grid { start_s: grid.start_s - 0.5 * grid.step_s, ..*grid };
+                let commands = mean_per_step(&record.time_s, &input.values, record.hold, stages, &around);
                 simulation.give_currents(actuator, commands);
             }
             Ok(Input::Target(dof)) => {

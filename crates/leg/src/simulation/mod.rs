@@ -93,11 +93,14 @@ impl Simulation {
         effects: &[Placed],
     ) -> Result<Self, LegError> {
         let mut build = Build { scenario: scenario.clone(), robot, stops: Vec::new() };
+        let before = (!effects.is_empty()).then(|| build.robot.clone());
         effects.iter().for_each(|e| e.install(&mut build));
         let Build { scenario, robot, stops } = build;
+        // A controller knows the links as their file has them.
+        let known = before.filter(|known| known.links != robot.links);
         let scenario = &scenario;
-        let Parts { leg, tree, engine, mut actuators, servos, contact, start_q, start_speed } =
-            Parts::new(scenario, robot)?;
+        let Parts { leg, tree, engine, mut actuators, servos, contact, known_bodies, start_q, start_speed } =
+            Parts::new(scenario, robot, known)?;
         let mut sensor_stages = Vec::new();
         for (actuator, model) in actuators.iter_mut().zip(&leg.actuators) {
             let mut laws =
@@ -111,10 +114,8 @@ impl Simulation {
                 sensor_stages.push((placed.place.clone(), laws.sensor_stages));
             }
         }
-        let names: Vec<(String, f64)> =
-            leg.actuators.iter().map(|a| (a.name.clone(), a.current_limit_a)).collect();
-        let controller = Controller::new(scenario, &leg.robot, &start_q, &names)?;
-        let stops = Stops::new(StopLaw::from(scenario.stops), stops, &leg.robot, &tree, &engine);
+        let controller = Controller::new(scenario, &leg, &start_q, known_bodies)?;
+        let stops = Stops::new(StopLaw::from(scenario.stops), &stops, &leg.robot, &tree, &engine);
         let count = actuators.len();
         let mut simulation = Self {
             watch: Watch::new(&leg),
@@ -208,7 +209,9 @@ impl Simulation {
                     self.controller.currents_a[i] = given;
                     given
                 }
-                None => self.commands[i].mean(time_s, self.step_s),
+                // What is in force from half a step before to half a step after: between these instants the
+                // leapfrog's velocities change by what is applied now.
+                None => self.commands[i].mean(time_s - 0.5 * self.step_s, self.step_s),
             };
             actuator.apply(&mut self.engine, current, &self.gravity, time_s, self.step_s);
         }

@@ -15,15 +15,15 @@ pub(super) struct Table {
     pub unknown: Vec<Signal>,
 }
 
-/// Reads a run's file.
-pub(super) fn read(path: &Path, bench: Bench) -> Result<Table, Error> {
+/// Reads a run's file; `leg_inputs` are a leg's columns that are commands, and it must have them all.
+pub(super) fn read(path: &Path, bench: Bench, leg_inputs: &[String]) -> Result<Table, Error> {
     let bytes =
         std::fs::read(path).map_err(|e| Error::bad(path, None, None, format!("cannot be read: {e}")))?;
-    parse(path, &bytes, bench)
+    parse(path, &bytes, bench, leg_inputs)
 }
 
 /// As [`read`], of the file's bytes.
-pub(super) fn parse(path: &Path, bytes: &[u8], bench: Bench) -> Result<Table, Error> {
+pub(super) fn parse(path: &Path, bytes: &[u8], bench: Bench, leg_inputs: &[String]) -> Result<Table, Error> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Error::bad(path, None, None, "is empty"));
@@ -38,6 +38,9 @@ pub(super) fn parse(path: &Path, bytes: &[u8], bench: Bench) -> Result<Table, Er
     }
     let names = header(path, &row)?;
     check_columns(path, &names, bench)?;
+    if let Some(missing) = leg_inputs.iter().find(|i| !names.contains(i)) {
+        return Err(Error::bad(path, 1, Some(missing), "is missing; the campaign's 'inputs' names it"));
+    }
 
     let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(bytes.len() / (8 * names.len())); names.len()];
     let time_column = names.iter().position(|n| n == "time_s").unwrap_or(0);
@@ -70,7 +73,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], bench: Bench) -> Result<Table, Er
         let problem = format!("has {} rows; at least {FEWEST_ROWS} are needed", columns[time_column].len());
         return Err(Error::bad(path, None, None, problem));
     }
-    Ok(sort(names, columns, bench))
+    Ok(sort(names, columns, bench, leg_inputs))
 }
 
 /// The column names of the first row.
@@ -150,14 +153,16 @@ fn number(cell: &[u8]) -> Result<f64, String> {
     }
 }
 
-fn sort(names: Vec<String>, columns: Vec<Vec<f64>>, bench: Bench) -> Table {
+fn sort(names: Vec<String>, columns: Vec<Vec<f64>>, bench: Bench, leg_inputs: &[String]) -> Table {
     let mut table =
         Table { time_s: Vec::new(), inputs: Vec::new(), outputs: Vec::new(), unknown: Vec::new() };
     for (channel, values) in names.into_iter().zip(columns) {
         let leg_output = bench == Bench::Leg && channel.contains('.');
         if channel == "time_s" {
             table.time_s = values;
-        } else if INPUT_COLUMNS.contains(&channel.as_str()) {
+        } else if leg_inputs.contains(&channel)
+            || (bench != Bench::Leg && INPUT_COLUMNS.contains(&channel.as_str()))
+        {
             table.inputs.push(Signal { channel, values });
         } else if leg_output || OUTPUT_COLUMNS.contains(&channel.as_str()) {
             table.outputs.push(Signal { channel, values });
