@@ -8,7 +8,7 @@ pub mod campaign_model;
 pub mod comparison;
 pub mod diagnosis;
 pub mod failure;
-pub pub mod leg_model;
+pub mod leg_model;
 mod leg_scene;
 pub mod output;
 pub mod reproduce;

@@ -49,7 +49,8 @@ pub struct Diagnose {
 pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let started = Instant::now();
     let mut campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
-    let model = campaign_model::with_own_effects(&mut campaign, arguments.model.as_deref(), &arguments.effect)?;
+    let model =
+        campaign_model::with_own_effects(&mut campaign, arguments.model.as_deref(), &arguments.effect)?;
     campaign.require(Role::Fit).or_bad_input()?;
     campaign.require(Role::Holdout).or_bad_input()?;
     let json = Destination::optional(arguments.json.as_ref())?;
