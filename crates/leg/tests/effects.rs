@@ -93,7 +93,7 @@ fn every_effect_has_a_place_a_full_card_and_few_starts() {
         .collect();
     for (not, why) in NOT_ON_A_LEG {
         assert!(known.iter().any(|id| id == not) && !why.is_empty());
-        assert!(!ids.contains(&format!("knee/{not}")));
+        assert!(!ids.contains(&format!("hip_front/{not}")));
     }
 }
 
@@ -176,7 +176,8 @@ fn recorded_currents_command_as_a_profile_does() {
     for (a, b) in given.outputs.iter().zip(&wanted.outputs) {
         let peak = b.values.iter().fold(1e-6, |m: f64, v| m.max(v.abs()));
         let off = a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(off < 1e-9 * peak, "{}: {off:e} of {peak}", a.channel);
+        // A record's time stamps are decimal digits: a command may come into force a rounding early.
+        assert!(off < 1e-6 * peak, "{}: {off:e} of {peak}", a.channel);
     }
     assert!(free.refuses_input("run.csv", "ankle.current_a").is_some_and(|m| m.contains("ankle_outer")));
     assert!(free.refuses_input("run.csv", "knee.target_rad").is_none());

@@ -10,7 +10,6 @@ use crate::output::Destination;
 use crate::{campaign_model, comparison};
 use clap::Args;
 use sealegs_actuator::effect::OwnEffect;
-use sealegs_model::Model;
 use sealegs_recorder::recording::Output;
 use sealegs_sysid::Campaign;
 use std::fmt::Write as _;

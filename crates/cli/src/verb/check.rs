@@ -5,7 +5,7 @@ use crate::diagnosis::text::figures;
 use crate::failure::OrBadInput;
 use crate::output::Destination;
 use clap::Args;
-use sealegs_model::{Model, Unit};
+use sealegs_model::Unit;
 use sealegs_sysid::Campaign;
 use sealegs_sysid::campaign::NoiseOrigin;
 use sealegs_sysid::check::{self, Check};

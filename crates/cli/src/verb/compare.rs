@@ -7,7 +7,6 @@ use crate::diagnosis::provenance::Provenance;
 use crate::failure::OrBadInput;
 use crate::output::Destination;
 use clap::Args;
-use sealegs_model::Model;
 use sealegs_recorder::recording::Output;
 use sealegs_sysid::Campaign;
 use std::io::Write;

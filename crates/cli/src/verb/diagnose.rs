@@ -8,7 +8,6 @@ use crate::failure::OrBadInput;
 use crate::output::Destination;
 use crate::{campaign_model, comparison};
 use clap::Args;
-use sealegs_model::Model;
 use sealegs_recorder::recording::Output;
 use sealegs_sysid::{Campaign, Role, diagnose};
 use std::io::Write;

@@ -56,7 +56,8 @@ impl Directions {
     /// One coordinate at a time, by its usual step.
     pub fn first(coordinates: &Coordinates) -> Self {
         let n = coordinates.len();
-        let unit = |k: usize| DVector::from_fn(n, |i, _| if i == k { coordinates.difference(k) } else { 0.0 });
+        let unit =
+            |k: usize| DVector::from_fn(n, |i, _| if i == k { coordinates.difference(k) } else { 0.0 });
         let moves: Vec<_> = (0..n).map(unit).collect();
         Self { back: Self::back(&moves), moves }
     }
@@ -84,7 +85,9 @@ impl Directions {
             let step = wanted(own[(k, k)], bare[(k, k)]).clamp(1e-3 * usual, 100.0 * usual);
             let step = if step.is_finite() { step } else { usual };
             moves[k][k] = step;
-            let inside = |s: f64| (coordinates.coordinate(k, coordinates.value(k, u[k] + s)) - u[k] - s).abs() < 1e-6 * step;
+            let inside = |s: f64| {
+                (coordinates.coordinate(k, coordinates.value(k, u[k] + s)) - u[k] - s).abs() < 1e-6 * step
+            };
             if own[(k, k)] > 0.0 && inside(10.0 * step) && inside(-10.0 * step) {
                 inner.push(k);
             }
@@ -92,7 +95,8 @@ impl Directions {
         // In units of each coordinate's own step, so that the eigenvectors do not depend on the scales.
         let m = inner.len();
         let size: Vec<f64> = inner.iter().map(|&k| moves[k][k]).collect();
-        let of = |a: &DMatrix<f64>| DMatrix::from_fn(m, m, |i, j| a[(inner[i], inner[j])] * size[i] * size[j]);
+        let of =
+            |a: &DMatrix<f64>| DMatrix::from_fn(m, m, |i, j| a[(inner[i], inner[j])] * size[i] * size[j]);
         let (own, bare) = (of(&own), of(&bare));
         let eigen = own.symmetric_eigen();
         for (j, &k) in inner.iter().enumerate() {
@@ -147,7 +151,8 @@ pub(crate) fn raw(
         .map(|(k, run)| {
             // How far along the direction a move gets inside the bounds, 1 being all the way, and what comes of it.
             let shifted = |times: f64| -> Option<(f64, Prediction)> {
-                let moved: Vec<f64> = u.iter().zip(along.moves[k].iter()).map(|(x, m)| x + times * m).collect();
+                let moved: Vec<f64> =
+                    u.iter().zip(along.moves[k].iter()).map(|(x, m)| x + times * m).collect();
                 let values = coordinates.values(&moved, &at.values);
                 let (most, reached) = (0..count).fold((0.0, 0.0), |(most, reached), l| {
                     let wanted: f64 = along.moves[k][l];
