@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::{ActuatorError, ActuatorSpec};
-use sealegs_model::{Excitation, InputHold, Model, Record, Signal};
 use sealegs_damage::{cases, damaged, survives};
+use sealegs_model::{Excitation, InputHold, Model, Record, Signal};
 use std::sync::Arc;
 
 const OWN: &str = "id = \"belt-drag\"\nacts-on = \"rotor\"\nlaw = \"a*y_dot + b*abs(F_bs)*tanh(y_dot/v0)\"\n\

@@ -1,45 +1,34 @@
-//! The model of a campaign: its bench with its actuator, or with another actuator file.
+//! The model of a campaign that was recorded on a bench: its actuator, or another actuator file, on that bench.
 
+use crate::campaign_model::{CampaignModel, notes_of};
+use crate::diagnosis::addition::Added;
+use crate::diagnosis::plan;
 use crate::failure::{OrBadInput, bad_input};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
-use sealegs_actuator::effect::{Effect, OwnEffect};
-use sealegs_model::Model;
+use sealegs_actuator::effect::Effect;
+use sealegs_actuator::spec::SensorSpec;
+use sealegs_sysid::diagnose::Limits;
 use sealegs_sysid::{Campaign, campaign};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-/// The nominal model of a campaign's bench and actuator, or of the actuator file `model` on that bench.
+/// The nominal model of a campaign's bench and actuator, or of the actuator file `model` on that bench, with the
+/// user's own effects beside the catalogue's.
 ///
 /// What the actuator's file says of its sensors becomes part of the campaign.
 ///
 /// # Errors
 ///
 /// Bad input: an unknown actuator, a file with an error in it, a bench that needs another kind of actuator.
-pub fn of_campaign(campaign: &mut Campaign, model: Option<&Path>) -> anyhow::Result<BenchModel> {
-    with_own_effects(campaign, model, &[])
-}
-
-/// As [`of_campaign`], with the user's own effects in these files beside the catalogue's.
-///
-/// # Errors
-///
-/// As [`of_campaign`], and for an effect file with an error in it.
-pub fn with_own_effects(
+pub fn of_campaign(
     campaign: &mut Campaign,
     model: Option<&Path>,
-    own: &[PathBuf],
+    own: Vec<Arc<dyn Effect>>,
 ) -> anyhow::Result<BenchModel> {
     let bench = match campaign.bench {
-        campaign::Bench::Locked => Bench::Locked,
         campaign::Bench::Pendulum => Bench::Pendulum(PendulumRig::default()),
-        _ => {
-            return Err(bad_input(format!(
-                "{}: bench \"{}\" is not one that this command can model yet",
-                campaign.file.display(),
-                campaign.bench.as_str()
-            )));
-        }
+        _ => Bench::Locked,
     };
     let spec = match model {
         Some(path) => ActuatorSpec::load(&path.to_string_lossy(), None).or_bad_input()?,
@@ -49,13 +38,62 @@ pub fn with_own_effects(
     for (channel, sensor) in &spec.sensors {
         campaign.state_sensor(channel, sensor.gain_std, sensor.bias_std);
     }
-    let own = own
-        .iter()
-        .map(|path| OwnEffect::load(path).map(|effect| Arc::new(effect) as Arc<dyn Effect>).or_bad_input())
-        .collect::<anyhow::Result<Vec<_>>>()?;
     let file = model.unwrap_or(&campaign.file).display().to_string();
-    let model =
-        BenchModel::with_own_effects(spec, bench, own).map_err(|e| bad_input(format!("{file}: {e}")))?;
-    campaign.check_against(&model as &dyn Model).or_bad_input()?;
-    Ok(model)
+    BenchModel::with_own_effects(spec, bench, own).map_err(|e| bad_input(format!("{file}: {e}")))
+}
+
+impl CampaignModel for BenchModel {
+    fn sensor(&self, channel: &str) -> Option<SensorSpec> {
+        self.spec().sensors.get(channel).copied()
+    }
+
+    fn limits(&self, campaign: &Campaign) -> Limits {
+        plan::limits(self.spec(), campaign)
+    }
+
+    fn better(
+        &self,
+        added: &Added,
+        campaign: &Campaign,
+        provenance: &[(&str, String)],
+        _folder: &Path,
+    ) -> anyhow::Result<String> {
+        let mut spec = self.spec().clone();
+        let fit = &added.after.fit;
+        for (p, known) in fit.parameters.iter().zip(added.after.model.parameters()) {
+            if p.name.contains('.') {
+                continue;
+            }
+            let discrete = p.fixed && !known.starts.is_empty();
+            if (p.fixed && !discrete) || (discrete && p.value == p.nominal) {
+                continue;
+            }
+            let said = spec.parameters.entry(p.name.clone()).or_default();
+            said.value = Some(p.value);
+            if !discrete {
+                said.std = Some(p.std).filter(|s| *s > 0.0 && s.is_finite());
+                if p.name != "clock_skew" {
+                    said.min = Some(known.min.min(p.value));
+                    said.max = Some(known.max.max(p.value));
+                }
+            }
+        }
+        let mut with_them = self.clone();
+        for effect in &added.effects {
+            with_them = with_them.including(effect, &added.seen)?;
+        }
+        let stds: Vec<f64> = fit.parameters.iter().map(|p| p.std).collect();
+        spec.effects = with_them.effect_specs(&fit.values, &stds);
+        for sensor in fit.sensors() {
+            let said = spec.sensors.entry(sensor.channel.clone()).or_default();
+            said.gain = Some(sensor.gain);
+            said.bias = Some(sensor.bias);
+            said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
+        }
+        spec.provenance.extend(notes_of(added, campaign, provenance));
+        // Whoever gets the file must be able to load it.
+        let text = spec.to_toml();
+        ActuatorSpec::from_toml(&text, "the model file to be written")?;
+        Ok(text)
+    }
 }

@@ -12,9 +12,11 @@
 use crate::LegError;
 use crate::dynamics::coupling::Actuator;
 use crate::dynamics::engine::Engine;
-use crate::robot::Robot;
+use crate::robot::Inertial;
 use crate::scenario::{ControllerKind, Motion, Scenario};
+use crate::simulation::LegDescription;
 use nalgebra::{DMatrix, DVector};
+use sealegs_actuator::Coefficients;
 use sealegs_actuator::excitation::Profile;
 
 /// The forces along the actuators that come nearest to the joint torques, the smallest such forces where
@@ -59,8 +61,29 @@ pub(crate) fn moment_arms(engine: &Engine, actuators: &[Actuator], dofs: usize) 
 struct JointCommand {
     posture: f64,
     motion: Option<Motion>,
+    /// Recorded positions in place of a motion: times, s, and rad.
+    given: Option<(Vec<f64>, Vec<f64>)>,
     stiffness: f64,
     damping: f64,
+}
+
+impl JointCommand {
+    /// Where the joint is to be at a time, with speed and acceleration: rad, rad/s, rad/s^2. Between recorded
+    /// positions it goes straight, at both ends it rests.
+    fn wanted(&self, time_s: f64) -> [f64; 3] {
+        let Some((times, positions)) = &self.given else {
+            return self.motion.map_or([self.posture, 0.0, 0.0], |m| m.at(time_s, self.posture));
+        };
+        let after = times.partition_point(|t| *t <= time_s);
+        match (after.checked_sub(1), positions.get(after)) {
+            (Some(before), Some(next)) => {
+                let slope = (next - positions[before]) / (times[after] - times[before]);
+                [positions[before] + slope * (time_s - times[before]), slope, 0.0]
+            }
+            (Some(last), None) => [positions[last], 0.0, 0.0],
+            (None, first) => [first.copied().unwrap_or(self.posture), 0.0, 0.0],
+        }
+    }
 }
 
 /// The controller of a run.
@@ -74,6 +97,10 @@ pub(crate) struct Controller {
     joints: Vec<JointCommand>,
     profiles: Vec<Option<Profile>>,
     limits_a: Vec<f64>,
+    /// The actuators' numbers as the controller knows them.
+    known: Vec<Coefficients>,
+    /// The bodies as it knows them, where they are others.
+    known_bodies: Option<Vec<Option<Inertial>>>,
     /// The commanded currents that hold now, A.
     pub currents_a: Vec<f64>,
     /// Which of them are clipped.
@@ -81,15 +108,17 @@ pub(crate) struct Controller {
 }
 
 impl Controller {
-    /// The controller of a scenario for the actuators with these names and current limits.
+    /// The controller of a scenario for a leg. It knows the actuators as their files and spring settings state
+    /// them, not as the single one in the leg is, and the bodies as `known_bodies` where that is given.
     pub fn new(
         scenario: &Scenario,
-        robot: &Robot,
+        leg: &LegDescription,
         start_q: &[f64],
-        actuators: &[(String, f64)],
+        known_bodies: Option<Vec<Option<Inertial>>>,
     ) -> Result<Self, LegError> {
         let spec = &scenario.controller;
-        let joints = robot
+        let joints = leg
+            .robot
             .moving_joints()
             .zip(start_q)
             .map(|(joint, &posture)| {
@@ -97,13 +126,14 @@ impl Controller {
                 JointCommand {
                     posture,
                     motion: scenario.motion.get(&joint.name).copied(),
+                    given: None,
                     stiffness: own.stiffness_nm_rad.unwrap_or(spec.stiffness_nm_rad),
                     damping: own.damping_nm_s_rad.unwrap_or(spec.damping_nm_s_rad),
                 }
             })
             .collect();
         let mut profiles = Vec::new();
-        for (name, _) in actuators {
+        for name in leg.actuators.iter().map(|a| &a.name) {
             profiles.push(match (scenario.current.get(name), scenario.current_file.get(name)) {
                 (Some(profile), None) => Some(profile.clone()),
                 (None, None) => None,
@@ -132,16 +162,22 @@ impl Controller {
             feed_forward: spec.feed_forward,
             joints,
             profiles,
-            limits_a: actuators.iter().map(|a| a.1.min(limit)).collect(),
-            currents_a: vec![0.0; actuators.len()],
-            saturated: vec![false; actuators.len()],
+            limits_a: leg.actuators.iter().map(|a| a.current_limit_a.min(limit)).collect(),
+            known: leg.actuators.iter().map(|a| a.nominal).collect(),
+            known_bodies,
+            currents_a: vec![0.0; leg.actuators.len()],
+            saturated: vec![false; leg.actuators.len()],
         })
     }
 
     /// Where a joint is to be at a time, rad.
     pub fn target_rad(&self, dof: usize, time_s: f64) -> f64 {
-        let joint = &self.joints[dof];
-        joint.motion.map_or(joint.posture, |m| m.at(time_s, joint.posture)[0])
+        self.joints[dof].wanted(time_s)[0]
+    }
+
+    /// Wants a joint at recorded positions.
+    pub fn give_target(&mut self, dof: usize, time_s: Vec<f64>, position_rad: Vec<f64>) {
+        self.joints[dof].given = Some((time_s, position_rad));
     }
 
     /// Whether a new command is due at this step.
@@ -155,9 +191,9 @@ impl Controller {
             ControllerKind::Free => DVector::zeros(actuators.len()),
             ControllerKind::Pd => self.pd(time_s, engine, actuators),
         };
-        for (i, actuator) in actuators.iter().enumerate() {
+        for i in 0..actuators.len() {
             let by_profile = self.profiles[i].as_ref().map_or(0.0, |p| p.at(time_s));
-            let wanted = forces[i] / actuator.coefficients.force_constant + by_profile;
+            let wanted = forces[i] / self.known[i].force_constant + by_profile;
             let limit = self.limits_a[i];
             self.currents_a[i] = wanted.clamp(-limit, limit);
             self.saturated[i] = wanted.abs() > limit;
@@ -168,12 +204,14 @@ impl Controller {
         let dofs = self.joints.len();
         let arms = moment_arms(engine, actuators, dofs);
         let motor_speeds = seen_at_joints(&arms, actuators);
-        let weight = engine.gravity_forces();
+        let weight = match &self.known_bodies {
+            Some(bodies) => engine.gravity_forces_of(bodies),
+            None => engine.gravity_forces(),
+        };
         let (mut torques, mut speeds, mut accelerations) =
             (DVector::zeros(dofs), DVector::zeros(dofs), DVector::zeros(dofs));
         for (dof, joint) in self.joints.iter().enumerate() {
-            let [position, speed, acceleration] =
-                joint.motion.map_or([joint.posture, 0.0, 0.0], |m| m.at(time_s, joint.posture));
+            let [position, speed, acceleration] = joint.wanted(time_s);
             torques[dof] =
                 joint.stiffness * (position - engine.q[dof]) + joint.damping * (speed - motor_speeds[dof]);
             if self.gravity_compensation {
@@ -185,8 +223,7 @@ impl Controller {
         let mut forces = share_out(&arms, &torques);
         if self.feed_forward {
             let (rates, rate_changes) = (&arms * speeds, &arms * accelerations);
-            for (i, actuator) in actuators.iter().enumerate() {
-                let c = &actuator.coefficients;
+            for (i, c) in self.known.iter().enumerate() {
                 forces[i] += c.damping * rates[i] + c.reflected_inertia * rate_changes[i];
             }
         }

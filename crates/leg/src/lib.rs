@@ -4,10 +4,13 @@
 //! and returns peaks, events and the energy balance; [`impact`] sweeps drop heights and springs. Rigid
 //! bodies are the engine's, every force is ours (see [`dynamics`]); no type of the engine is public.
 
+mod channel;
 mod controller;
 pub mod dynamics;
+pub mod effect;
 mod error;
 pub mod impact;
+pub mod model;
 pub mod robot;
 mod run;
 pub mod scenario;

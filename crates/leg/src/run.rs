@@ -1,6 +1,7 @@
 //! Running a scenario from beginning to end: for an observer, for a summary, for channels.
 
 use crate::LegError;
+use crate::channel::{self, Channel, Instant};
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::simulation::{
@@ -113,6 +114,8 @@ pub struct Channels {
     pub time_s: Vec<f64>,
     /// The channels.
     pub signals: Vec<Signal>,
+    /// What each signal is.
+    of: Vec<Channel>,
 }
 
 impl Channels {
@@ -121,41 +124,28 @@ impl Channels {
     pub fn get(&self, channel: &str) -> Option<&[f64]> {
         self.signals.iter().find(|s| s.channel == channel).map(|s| s.values.as_slice())
     }
-
-    fn push(&mut self, place: &mut usize, value: f64) {
-        self.signals[*place].values.push(value);
-        *place += 1;
-    }
 }
 
 impl Observer for Channels {
     fn start(&mut self, leg: &LegDescription) -> Result<(), LegError> {
-        let joints = leg.joints.iter().map(|j| format!("{j}.angle_rad"));
-        let actuators = leg.actuators.iter().flat_map(|a| {
-            ["force_1_n", "force_2_n", "current_a", "rotor_angle_rad"].map(|c| format!("{}.{c}", a.name))
-        });
-        let rest = ["base.height_m", "foot.normal_force_n"].map(str::to_owned);
-        self.signals = joints
-            .chain(actuators)
-            .chain(rest)
-            .map(|channel| Signal { channel, values: Vec::new() })
-            .collect();
+        let actuators: Vec<String> = leg.actuators.iter().map(|a| a.name.clone()).collect();
+        let all = channel::all(&leg.joints, &actuators);
+        (self.signals, self.of) =
+            all.into_iter().map(|(channel, of)| (Signal { channel, values: Vec::new() }, of)).unzip();
         Ok(())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), LegError> {
         self.time_s.push(sample.time_s);
-        let mut place = 0;
-        for angle in &sample.joint_angles_rad {
-            self.push(&mut place, *angle);
+        let instant = Instant {
+            joint_angles_rad: &sample.joint_angles_rad,
+            actuators: &sample.actuators,
+            base_height_m: sample.world_from_link[0].translation.z,
+            normal_force_n: sample.ground.normal_force_n,
+        };
+        for (signal, of) in self.signals.iter_mut().zip(&self.of) {
+            signal.values.push(of.at(&instant));
         }
-        for a in &sample.actuators {
-            for value in [a.force_1_n, a.force_2_n, a.current_a, a.rotor_angle_rad] {
-                self.push(&mut place, value);
-            }
-        }
-        self.push(&mut place, sample.world_from_link[0].translation.z);
-        self.push(&mut place, sample.ground.normal_force_n);
         Ok(())
     }
 }

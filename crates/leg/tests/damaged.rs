@@ -2,10 +2,10 @@
 //! simulated without panic, or with a message that names the file.
 
 use proptest::prelude::*;
+use sealegs_damage::{cases, damaged, survives};
 use sealegs_leg::robot::Robot;
 use sealegs_leg::scenario::{Scenario, preset_names, preset_text};
 use sealegs_leg::{Channels, LegError, run_robot};
-use sealegs_damage::{cases, damaged, survives};
 
 fn text(bytes: Vec<u8>) -> String {
     String::from_utf8_lossy(&bytes).into_owned()

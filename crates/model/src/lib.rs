@@ -126,6 +126,11 @@ pub enum ModelError {
         /// What is admitted, for example `positive`.
         admitted: &'static str,
     },
+    /// What the model is made of cannot be put together with these values.
+    Setup {
+        /// Why, in words.
+        reason: String,
+    },
 }
 
 impl fmt::Display for ModelError {
@@ -151,6 +156,7 @@ impl fmt::Display for ModelError {
             Self::BadParameter { name, value, admitted } => {
                 write!(f, "{name} = {value}: must be {admitted}")
             }
+            Self::Setup { reason } => f.write_str(reason),
         }
     }
 }

@@ -203,6 +203,7 @@ pub(crate) fn campaign(
             .into_iter()
             .map(|(role, record)| Run {
                 role,
+                scenario: None,
                 scored: 0..record.len(),
                 unknown: Vec::new(),
                 clock: Clock::of(&record.time_s, Some(200.0)),

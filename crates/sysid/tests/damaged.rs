@@ -2,8 +2,8 @@
 //! that names the file.
 
 use proptest::prelude::*;
-use sealegs_sysid::{Campaign, Error};
 use sealegs_damage::{cases, damaged, damaged_bytes, survives};
+use sealegs_sysid::{Campaign, Error};
 use std::path::Path;
 
 const CAMPAIGN: &str = "name = \"t\"\nbench = \"locked\"\nactuator = \"a\"\nsample_rate_hz = 1000.0\n\

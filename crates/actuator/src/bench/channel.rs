@@ -76,7 +76,7 @@ pub(super) fn sense(
                 "spring_torque_nm" => (deflection(&mut trace), nominal_stiffness),
                 _ => (deflection(&mut trace), 1.0),
             };
-            let stages: Vec<_> = plant.sensor_stages.iter().filter(|s| s.concerns(channel)).collect();
+            let stages: Vec<_> = plant.laws.sensor_stages.iter().filter(|s| s.concerns(channel)).collect();
             let mut values = if stages.is_empty() {
                 sample(dense, &grid, time_s, 0.0)
             } else {

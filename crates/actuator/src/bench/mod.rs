@@ -340,7 +340,7 @@ impl BenchModel {
         } else {
             Cow::Borrowed(&record.time_s)
         };
-        let commands = mean_per_step(&time_s, &input.values, record.hold, &plant.command_stages, &grid);
+        let commands = mean_per_step(&time_s, &input.values, record.hold, &plant.laws.command_stages, &grid);
         let trace = plant.simulate(grid, &commands)?;
         Ok((plant, trace))
     }

@@ -29,7 +29,7 @@ impl Effect for Backlash {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.spring_path.push(Box::new(DeadZone { half_gap: 0.5 * values[0] }));
+        plant.laws.spring_path.push(Box::new(DeadZone { half_gap: 0.5 * values[0] }));
     }
 }
 

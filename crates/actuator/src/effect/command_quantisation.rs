@@ -36,7 +36,7 @@ impl Effect for CommandQuantisation {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.command_stages.push(Box::new(Counts { count: values[0], rounding: values[1] }));
+        plant.laws.command_stages.push(Box::new(Counts { count: values[0], rounding: values[1] }));
     }
 }
 

@@ -29,7 +29,7 @@ impl Effect for CoulombFriction {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.rotor_friction.push(Box::new(Coulomb { force: values[0] }));
+        plant.laws.rotor_friction.push(Box::new(Coulomb { force: values[0] }));
     }
 }
 

@@ -33,7 +33,7 @@ impl Effect for CurrentSaturation {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.command_stages.push(Box::new(Saturation { limit: values[0] }));
+        plant.laws.command_stages.push(Box::new(Saturation { limit: values[0] }));
     }
 }
 

@@ -32,7 +32,10 @@ impl Effect for DirectionDependentFriction {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.rotor_friction.push(Box::new(DirectionDependent { force: values[0], asymmetry: values[1] }));
+        plant
+            .laws
+            .rotor_friction
+            .push(Box::new(DirectionDependent { force: values[0], asymmetry: values[1] }));
     }
 }
 

@@ -28,7 +28,7 @@ impl Effect for HardeningSpring {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.spring_forces.push(Box::new(Cubic { cubic: values[0] }));
+        plant.laws.spring_forces.push(Box::new(Cubic { cubic: values[0] }));
     }
 }
 

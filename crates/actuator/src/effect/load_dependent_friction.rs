@@ -32,7 +32,7 @@ impl Effect for LoadDependentFriction {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.rotor_friction.push(Box::new(LoadDependent { coefficient: values[0] }));
+        plant.laws.rotor_friction.push(Box::new(LoadDependent { coefficient: values[0] }));
     }
 }
 

@@ -30,7 +30,7 @@ mod wobbling_mass;
 
 pub(crate) use own::embedded;
 pub use own::{Expression, Fault, OwnEffect};
-pub use setting::{ActuatorKind, Quantity, Setting};
+pub use setting::{ActuatorKind, Quantity, Setting, magnitude, with_neutral, with_starts};
 
 use crate::plant::Plant;
 use sealegs_model::EffectCard;

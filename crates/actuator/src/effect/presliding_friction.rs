@@ -39,7 +39,7 @@ impl Effect for PreslidingFriction {
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         if values[0] > 0.0 {
-            plant.rotor_presliding = Some(ElastoSlip { bound: values[0], stiffness: values[1] });
+            plant.laws.rotor_presliding = Some(ElastoSlip { bound: values[0], stiffness: values[1] });
         }
     }
 }

@@ -26,7 +26,7 @@ impl Effect for QuadraticDrag {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.rotor_forces.push(Box::new(Drag { coefficient: values[0] }));
+        plant.laws.rotor_forces.push(Box::new(Drag { coefficient: values[0] }));
     }
 }
 

@@ -24,7 +24,10 @@ impl Effect for SensorDelay {
     }
 
     fn install(&self, values: &[f64], channel: Option<&str>, plant: &mut Plant) {
-        plant.sensor_stages.push(Box::new(Late { channel: channel.map(str::to_owned), delay_s: values[0] }));
+        plant
+            .laws
+            .sensor_stages
+            .push(Box::new(Late { channel: channel.map(str::to_owned), delay_s: values[0] }));
     }
 
     fn scope(&self) -> Scope {

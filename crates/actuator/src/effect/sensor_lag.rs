@@ -29,7 +29,7 @@ impl Effect for SensorLag {
     }
 
     fn install(&self, values: &[f64], channel: Option<&str>, plant: &mut Plant) {
-        plant.sensor_stages.push(Box::new(LowPass {
+        plant.laws.sensor_stages.push(Box::new(LowPass {
             channel: channel.map(str::to_owned),
             angular: std::f64::consts::TAU * values[0],
         }));

@@ -76,7 +76,8 @@ pub struct Setting {
 
 impl Setting {
     /// A unit actuator of which nothing is known: for what a card says whatever the setting.
-    pub(super) fn unknown() -> Self {
+    #[must_use]
+    pub fn unknown() -> Self {
         Self {
             kind: ActuatorKind::Linear,
             stiffness: 1.0,

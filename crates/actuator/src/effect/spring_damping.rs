@@ -26,7 +26,7 @@ impl Effect for SpringDamping {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.spring_damping += values[0];
+        plant.laws.spring_damping += values[0];
     }
 }
 

@@ -40,7 +40,7 @@ impl Effect for SpringHysteresis {
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         if values[1] > 0.0 {
-            plant.spring_slip = Some(ElastoSlip { stiffness: values[0], bound: values[1] });
+            plant.laws.spring_slip = Some(ElastoSlip { stiffness: values[0], bound: values[1] });
         }
     }
 }

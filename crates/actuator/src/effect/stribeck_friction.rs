@@ -44,7 +44,7 @@ impl Effect for StribeckFriction {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.rotor_friction.push(Box::new(Stribeck {
+        plant.laws.rotor_friction.push(Box::new(Stribeck {
             coulomb: values[0],
             above: values[1] - values[0],
             inverse_velocity: 1.0 / values[2],

@@ -35,7 +35,7 @@ impl Effect for StructuralMode {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.sensor_stages.push(Box::new(Mode {
+        plant.laws.sensor_stages.push(Box::new(Mode {
             angular: std::f64::consts::TAU * values[0],
             damping_ratio: values[1],
             participation: values[2],

@@ -36,7 +36,7 @@ impl Effect for TorqueRipple {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.rotor_forces.push(Box::new(Ripple {
+        plant.laws.rotor_forces.push(Box::new(Ripple {
             amplitude: values[0],
             per_extension: values[1] / plant.travel_per_rad,
             phase: values[2],

@@ -24,7 +24,7 @@ impl Effect for TransportDelay {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.command_stages.push(Box::new(Delay { delay_s: values[0] }));
+        plant.laws.command_stages.push(Box::new(Delay { delay_s: values[0] }));
     }
 }
 

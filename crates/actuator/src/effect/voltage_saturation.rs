@@ -40,7 +40,7 @@ impl Effect for VoltageSaturation {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.drive_limits.push(Box::new(Voltage {
+        plant.laws.drive_limits.push(Box::new(Voltage {
             bus: values[0],
             resistance: values[1],
             force_per_current: plant.force_per_command,

@@ -73,11 +73,11 @@ impl Plant {
         }
         let row: [f64; N] = std::array::from_fn(|i| linear.deflection[i]);
         let delta = dot(&row, q);
-        if !(self.spring_path.is_empty() && self.spring_forces.is_empty()) {
+        if !(self.laws.spring_path.is_empty() && self.laws.spring_forces.is_empty()) {
             stored += self.spring_energy(delta) - 0.5 * self.stiffness * delta * delta;
         }
         for (element, force) in
-            [(self.rotor_presliding, state.presliding), (self.spring_slip, state.spring_slip)]
+            [(self.laws.rotor_presliding, state.presliding), (self.laws.spring_slip, state.spring_slip)]
         {
             stored += element.map_or(0.0, |e| 0.5 * force * force / e.stiffness);
         }

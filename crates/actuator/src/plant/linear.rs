@@ -81,7 +81,7 @@ impl LinearPart {
         add_square(&mut part.mass, plant.reflected_inertia, &y);
         add_square(&mut part.mass, plant.sprung_mass, &sprung);
         add_square(&mut part.damping, plant.damping, &y);
-        add_square(&mut part.damping, plant.spring_damping, &deflection);
+        add_square(&mut part.damping, plant.laws.spring_damping, &deflection);
         add_square(&mut part.stiffness, plant.stiffness, &deflection);
         for (link, row) in [(plant.link_1, x_1), (plant.link_2, x_2)] {
             if link != Link::Fixed {

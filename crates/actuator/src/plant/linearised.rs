@@ -72,8 +72,8 @@ impl Plant {
         let size = 1e-6 * delta.abs().max(1e-3);
         let k = self.stiffness
             + (self.departure(delta + size, 0.0) - self.departure(delta - size, 0.0)) / (2.0 * size);
-        let c =
-            self.spring_damping + (self.departure(delta, size) - self.departure(delta, -size)) / (2.0 * size);
+        let c = self.laws.spring_damping
+            + (self.departure(delta, size) - self.departure(delta, -size)) / (2.0 * size);
         let scaled =
             |factor: f64| -> Vec<f64> { linear.deflection[..count].iter().map(|d| factor * d).collect() };
         let force_1 = (scaled(k), scaled(c));
@@ -110,7 +110,7 @@ impl Plant {
 
     /// The spring's force beyond its linear law, damping included.
     fn departure(&self, delta: f64, rate: f64) -> f64 {
-        self.spring_force(delta, rate) - self.stiffness * delta - self.spring_damping * rate
+        self.spring_force(delta, rate) - self.stiffness * delta - self.laws.spring_damping * rate
     }
 
     /// All smooth forces on the coordinates beside the linear part.
@@ -123,7 +123,7 @@ impl Plant {
         }
         let load = self.spring_force(delta, rate);
         forces[0] += self.motor_force(command, v[0]);
-        forces[0] += self.rotor_forces.iter().map(|f| f.force(q[0], v[0], load, 0.0)).sum::<f64>();
+        forces[0] += self.laws.rotor_force(q[0], v[0], load, 0.0);
         let Some(i) = linear.coordinates.link_2 else { return forces };
         forces[i] += self.output_forces.iter().map(|f| f.force(q[i], v[i], load, 0.0)).sum::<f64>();
         if let Link::Pendulum { gravity_torque_nm, arm_m, .. } = self.link_2 {

@@ -19,6 +19,7 @@ mod command;
 mod energy;
 mod friction;
 mod integrate;
+mod laws;
 mod linear;
 mod linearised;
 mod ports;
@@ -27,6 +28,7 @@ mod trace;
 pub use command::{Grid, mean_per_step};
 pub use energy::EnergyLedger;
 pub use friction::Sliding;
+pub use laws::Laws;
 pub use linear::Coordinates;
 pub use linearised::Linearised;
 pub use ports::{
@@ -109,8 +111,6 @@ pub struct Plant {
     pub damping: f64,
     /// Stiffness of the spring, N/m.
     pub stiffness: f64,
-    /// Damping parallel to the spring, N s/m.
-    pub spring_damping: f64,
     /// Screw travel per rotor angle `r`, m/rad.
     pub travel_per_rad: f64,
     /// Spring side.
@@ -125,28 +125,12 @@ pub struct Plant {
     pub force_per_command: f64,
     /// A constant that is added to the command, in the command's unit.
     pub command_offset: f64,
-    /// On the way of the command, in order.
-    pub command_stages: Vec<Box<dyn CommandStage>>,
-    /// Limits of the drive that depend on speed.
-    pub drive_limits: Vec<Box<dyn DriveLimit>>,
-    /// Dry friction of the rotor; the bounds add up.
-    pub rotor_friction: Vec<Box<dyn DryFriction>>,
-    /// Elastic presliding friction of the rotor.
-    pub rotor_presliding: Option<ElastoSlip>,
-    /// Smooth forces on the rotor.
-    pub rotor_forces: Vec<Box<dyn RotorForce>>,
-    /// In line with the spring.
-    pub spring_path: Vec<Box<dyn SpringPath>>,
-    /// Beside the linear spring.
-    pub spring_forces: Vec<Box<dyn SpringForce>>,
-    /// A slipping element beside the spring.
-    pub spring_slip: Option<ElastoSlip>,
     /// Smooth forces on link 2 along the axis, of its position and speed, positive where `x_2` is.
     pub output_forces: Vec<Box<dyn RotorForce>>,
     /// Coulomb friction at the output joint, referred to the axis, N.
     pub output_friction: f64,
-    /// In front of or inside the sensors.
-    pub sensor_stages: Vec<Box<dyn SensorStage>>,
+    /// What acts in the actuator beside its linear parts.
+    pub laws: Laws,
 }
 
 impl Plant {
@@ -158,7 +142,6 @@ impl Plant {
             sprung_mass,
             damping,
             stiffness,
-            spring_damping: 0.0,
             travel_per_rad: 1.0,
             link_1: Link::Fixed,
             link_2: Link::Fixed,
@@ -166,30 +149,16 @@ impl Plant {
             wobbling: None,
             force_per_command: 1.0,
             command_offset: 0.0,
-            command_stages: Vec::new(),
-            drive_limits: Vec::new(),
-            rotor_friction: Vec::new(),
-            rotor_presliding: None,
-            rotor_forces: Vec::new(),
-            spring_path: Vec::new(),
-            spring_forces: Vec::new(),
-            spring_slip: None,
             output_forces: Vec::new(),
             output_friction: 0.0,
-            sensor_stages: Vec::new(),
+            laws: Laws::default(),
         }
-    }
-
-    /// The bound of the rotor's dry friction in N; see [`DryFriction::bound`].
-    #[must_use]
-    pub fn rotor_friction_bound(&self, speed: f64, direction: f64, load: f64) -> f64 {
-        self.rotor_friction.iter().map(|f| f.bound(speed, direction, load)).sum()
     }
 
     /// The motor force in N for a command (in its unit) at screw speed `y_dot` (m/s).
     #[must_use]
     pub fn motor_force(&self, command: f64, y_dot: f64) -> f64 {
-        self.limited_force(self.commanded_force(command), y_dot)
+        self.laws.limited_force(self.commanded_force(command), y_dot)
     }
 
     /// The motor force in N that a command (in its unit) asks for.
@@ -198,45 +167,11 @@ impl Plant {
         self.force_per_command * (command + self.command_offset)
     }
 
-    /// What the drive leaves of a motor force in N at screw speed `y_dot` (m/s).
-    fn limited_force(&self, force: f64, y_dot: f64) -> f64 {
-        self.drive_limits.iter().fold(force, |force, limit| limit.limit(force, y_dot))
-    }
-
-    /// The force of the spring without its slipping element, N, at deflection `delta` (m) and its rate
-    /// (m/s), positive in compression. Within play there is none, damping included: the damper works where the
-    /// spring does.
+    /// The force of the spring without its slipping element, N; see [`Laws::spring_force`].
     #[must_use]
+    #[inline]
     pub fn spring_force(&self, delta: f64, delta_dot: f64) -> f64 {
-        let left = self.spring_left(delta);
-        if left == 0.0 && !self.spring_path.is_empty() {
-            return 0.0;
-        }
-        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot)).sum();
-        self.stiffness * left + self.spring_damping * delta_dot + beside
-    }
-
-    /// The deflection that is left for the spring out of the total one, m.
-    #[inline]
-    fn spring_left(&self, delta: f64) -> f64 {
-        self.spring_path.iter().fold(delta, |d, path| path.left(d))
-    }
-
-    /// [`Plant::spring_force`] beyond the linear law, without the damper's share.
-    #[inline]
-    fn spring_force_beside(&self, delta: f64, delta_dot: f64) -> f64 {
-        let left = self.spring_left(delta);
-        if left == 0.0 && !self.spring_path.is_empty() {
-            return -self.stiffness * delta;
-        }
-        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot)).sum();
-        self.stiffness * (left - delta) + beside
-    }
-
-    /// Whether the spring is a linear spring and damper and nothing else.
-    #[must_use]
-    pub fn spring_is_linear(&self) -> bool {
-        self.spring_path.is_empty() && self.spring_forces.is_empty() && self.spring_slip.is_none()
+        self.laws.spring_force(self.stiffness, delta, delta_dot)
     }
 
     /// The motion and forces from rest under the mean `commands` (one per step of `grid`, in the

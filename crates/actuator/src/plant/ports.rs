@@ -37,7 +37,8 @@ pub trait DriveLimit: Debug + Send + Sync {
     fn limit(&self, commanded: f64, y_dot: f64) -> f64;
 }
 
-/// What happens to the command on its way to the motor, independent of the state.
+/// What happens to the command on its way to the motor, independent of the state. Each sample is changed on its
+/// own: a controller's commands are not known in advance.
 pub trait CommandStage: Debug + Send + Sync {
     /// Changes the command's samples in place: `time_s` may be shifted, `values` (in the command's own
     /// unit, A, N or N m) changed.

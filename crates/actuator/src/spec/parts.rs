@@ -248,7 +248,12 @@ impl EffectSpec {
         ActuatorError::value(format!("effect.{}.parameters.{name}", self.id), value, admitted)
     }
 
-    pub(super) fn validate(&self, index: usize) -> Result<(), ActuatorError> {
+    /// Checks its numbers; `index` is its place in the file, from 0.
+    ///
+    /// # Errors
+    ///
+    /// [`ActuatorError::Value`].
+    pub fn validate(&self, index: usize) -> Result<(), ActuatorError> {
         if self.id.is_empty() {
             return Err(ActuatorError::value(format!("effect {} id", index + 1), "\"\"", "a name"));
         }
@@ -332,7 +337,12 @@ pub struct SensorSpec {
 }
 
 impl SensorSpec {
-    pub(super) fn validate(&self, channel: &str) -> Result<(), ActuatorError> {
+    /// Checks its numbers and the name of its channel.
+    ///
+    /// # Errors
+    ///
+    /// [`ActuatorError::Value`].
+    pub fn validate(&self, channel: &str) -> Result<(), ActuatorError> {
         if let Err(unknown) = sealegs_model::Unit::of_channel(channel) {
             return Err(ActuatorError::value("sensors", channel, format!("channel names: {unknown}")));
         }

@@ -10,9 +10,8 @@ pub use record::of as recording;
 pub use summary::Summary;
 pub use text::of as text;
 
+use crate::campaign_model::CampaignModel;
 use crate::failure::OrBadInput;
-use sealegs_actuator::bench::BenchModel;
-use sealegs_model::Model;
 use sealegs_sysid::frequency::{self, ChannelResponse};
 use sealegs_sysid::locate::{Location, locate};
 use sealegs_sysid::nuisance::Sensor;
@@ -68,7 +67,7 @@ pub struct Compared<'a> {
 /// Bad input if a refit is wanted and there is no fit run; otherwise if the model cannot be simulated.
 pub fn compare<'a>(
     campaign: &'a Campaign,
-    model: &BenchModel,
+    model: &dyn CampaignModel,
     floor: f64,
     as_is: bool,
 ) -> anyhow::Result<Compared<'a>> {
@@ -80,7 +79,7 @@ pub fn compare<'a>(
         data.channels
             .iter()
             .map(|c| {
-                let known = model.spec().sensors.get(&c.name);
+                let known = model.sensor(&c.name);
                 Sensor {
                     channel: c.name.clone(),
                     gain: known.and_then(|s| s.gain).unwrap_or(1.0),

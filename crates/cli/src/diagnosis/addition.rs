@@ -3,8 +3,6 @@
 use super::outcome::{ParameterValue, Side, parameters, sensors};
 use super::provenance::Provenance;
 use crate::failure::{OrBadInput, bad_input};
-use sealegs_actuator::ActuatorSpec;
-use sealegs_actuator::bench::BenchModel;
 use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter};
 use sealegs_sysid::diagnose::{Candidate, Promise, screen, with_effects};
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, fit};
@@ -108,7 +106,7 @@ impl Added {
 /// Bad input for an unknown effect, with the nearest name; otherwise if nothing can be simulated.
 pub fn add(
     campaign: &Campaign,
-    model: &BenchModel,
+    model: &dyn Model,
     effects: &[String],
     tell: &dyn Fn(String),
 ) -> anyhow::Result<Added> {
@@ -145,8 +143,8 @@ pub fn add(
 }
 
 /// Whether the model can have all of these effects.
-fn check(model: &BenchModel, effects: &[String], seen: &Excitation) -> anyhow::Result<()> {
-    let mut with: Box<dyn Model> = model.clone_box();
+fn check(model: &dyn Model, effects: &[String], seen: &Excitation) -> anyhow::Result<()> {
+    let mut with = model.clone_box();
     for effect in effects {
         if with.included().contains(effect) {
             return Err(bad_input(format!("{} includes '{effect}' already", model.name())));
@@ -165,7 +163,7 @@ fn check(model: &BenchModel, effects: &[String], seen: &Excitation) -> anyhow::R
 /// Adds one effect after the other, each from its most promising starting values.
 fn grow(
     data: &Data,
-    model: &BenchModel,
+    model: &dyn Model,
     before: &Candidate,
     order: &[String],
     seen: &Excitation,
@@ -201,7 +199,7 @@ fn grow(
 /// base model tried again.
 fn finished(
     data: &Data,
-    base: &BenchModel,
+    base: &dyn Model,
     effects: &[String],
     seen: &Excitation,
     candidate: Candidate,
@@ -234,69 +232,4 @@ fn finished(
     }
     let fit = best.ok_or_else(|| bad_input("no effect was named"))?;
     Ok(Candidate::exactly(effects.to_vec(), model, fit))
-}
-
-/// The model file with the effects and the fitted values.
-///
-/// # Errors
-///
-/// If the file would not load again.
-pub fn better(
-    model: &BenchModel,
-    added: &Added,
-    campaign: &Campaign,
-    provenance: &[(&str, String)],
-) -> anyhow::Result<ActuatorSpec> {
-    let mut spec = model.spec().clone();
-    let fit = &added.after.fit;
-    for (p, known) in fit.parameters.iter().zip(added.after.model.parameters()) {
-        if p.name.contains('.') {
-            continue;
-        }
-        let discrete = p.fixed && !known.starts.is_empty();
-        if (p.fixed && !discrete) || (discrete && p.value == p.nominal) {
-            continue;
-        }
-        let said = spec.parameters.entry(p.name.clone()).or_default();
-        said.value = Some(p.value);
-        if !discrete {
-            said.std = Some(p.std).filter(|s| *s > 0.0 && s.is_finite());
-            if p.name != "clock_skew" {
-                said.min = Some(known.min.min(p.value));
-                said.max = Some(known.max.max(p.value));
-            }
-        }
-    }
-    let mut with_them = model.clone();
-    for effect in &added.effects {
-        with_them = with_them.including(effect, &added.seen)?;
-    }
-    let stds: Vec<f64> = fit.parameters.iter().map(|p| p.std).collect();
-    spec.effects = with_them.effect_specs(&fit.values, &stds);
-    for sensor in fit.sensors() {
-        let said = spec.sensors.entry(sensor.channel.clone()).or_default();
-        said.gain = Some(sensor.gain);
-        said.bias = Some(sensor.bias);
-        said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
-    }
-    let mut note = |key: &str, value: String| {
-        spec.provenance.insert(key.to_owned(), value);
-    };
-    note("effects_added", added.effects.join(", "));
-    note("fitted_to", campaign.name.clone());
-    note("error_on_fit_runs", errors(added.before.fit.error(), fit.error()));
-    if let (Some(b), Some(a)) = (&added.before_holdout, &added.after_holdout) {
-        note("error_on_holdout_runs", errors(b.rms, a.rms));
-    }
-    for (key, value) in provenance {
-        note(key, value.clone());
-    }
-    // Whoever gets the file must be able to load it.
-    let text = spec.to_toml();
-    ActuatorSpec::from_toml(&text, "the model file to be written")?;
-    Ok(spec)
-}
-
-fn errors(before: f64, after: f64) -> String {
-    format!("{before:.4} before, {after:.4} after, in noise units")
 }

@@ -1,16 +1,15 @@
 //! `sealegs add`: puts an effect into a model, refits, and writes the better model.
 
-use crate::diagnosis::addition::{Added, add, better};
+use crate::diagnosis::addition::{Added, add};
 use crate::diagnosis::outcome::{Outcome, Ranked, Work, parameters, percent};
 use crate::diagnosis::provenance::Provenance;
 use crate::diagnosis::story::{Sides, Story};
 use crate::diagnosis::{page, progress, text};
 use crate::failure::{OrBadInput, bad_input};
 use crate::output::Destination;
-use crate::{bench_model, comparison};
+use crate::{campaign_model, comparison};
 use clap::Args;
 use sealegs_actuator::effect::OwnEffect;
-use sealegs_model::Model;
 use sealegs_recorder::recording::Output;
 use sealegs_sysid::Campaign;
 use std::fmt::Write as _;
@@ -24,7 +23,7 @@ pub struct Add {
     /// The effect's id, or the file of your own effect; several, or `a+b`, are fitted together
     #[arg(required = true)]
     effect: Vec<String>,
-    /// The model: an actuator file or a preset
+    /// The model: an actuator file, for a leg a scenario file, or a preset
     #[arg(long = "to", value_name = "MODEL.toml")]
     model: PathBuf,
     /// The campaign's folder, or its campaign.toml
@@ -54,7 +53,7 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     let started = Instant::now();
     let mut campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
     let (effects, own) = named(&arguments.effect)?;
-    let model = bench_model::with_own_effects(&mut campaign, Some(&arguments.model), &own)?;
+    let model = campaign_model::with_own_effects(&mut campaign, Some(&arguments.model), &own)?;
     campaign.require(sealegs_sysid::Role::Fit).or_bad_input()?;
     let output = Destination::new(&arguments.output)?;
     let json = Destination::optional(arguments.json.as_ref())?;
@@ -62,7 +61,7 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
 
     let bar = progress::spinner();
-    let added = add(&campaign, &model, &effects, &|message| bar.set_message(message));
+    let added = add(&campaign, model.as_ref(), &effects, &|message| bar.set_message(message));
     bar.finish_and_clear();
     let added = added?;
 
@@ -82,7 +81,8 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
         ("model", arguments.model.display().to_string()),
         ("inputs", hashes.collect::<Vec<_>>().join("; ")),
     ];
-    let spec = better(&model, &added, &campaign, &from)?;
+    let folder = arguments.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let better = model.better(&added, &campaign, &from, folder)?;
     if report.is_some() || rrd.is_some() {
         let outcome = outcome(&campaign, &added, provenance.clone());
         let sides = Sides {
@@ -104,7 +104,7 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
         }
     }
     let summary = added.summary(&campaign, provenance);
-    output.write(spec.to_toml().as_bytes())?;
+    output.write(better.as_bytes())?;
     if let Some(destination) = json {
         destination.write((serde_json::to_string_pretty(&summary)? + "\n").as_bytes())?;
     }

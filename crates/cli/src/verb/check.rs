@@ -1,11 +1,11 @@
 //! `sealegs check`: what a campaign holds and what it can identify, before any fit.
 
-use crate::bench_model;
+use crate::campaign_model;
 use crate::diagnosis::text::figures;
 use crate::failure::OrBadInput;
 use crate::output::Destination;
 use clap::Args;
-use sealegs_model::{Model, Unit};
+use sealegs_model::Unit;
 use sealegs_sysid::Campaign;
 use sealegs_sysid::campaign::NoiseOrigin;
 use sealegs_sysid::check::{self, Check};
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub struct CheckArguments {
     /// The campaign's folder, or its campaign.toml
     campaign: PathBuf,
-    /// An actuator file in place of the campaign's own actuator
+    /// An actuator file in place of the campaign's own actuator, or a scenario file for a leg
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
     /// Write the result as JSON (`-` for standard output)
@@ -33,10 +33,10 @@ pub struct CheckArguments {
 /// Bad input for a campaign or model file with an error in it; otherwise if the model cannot be simulated.
 pub fn run(arguments: &CheckArguments) -> anyhow::Result<u8> {
     let mut campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
-    let model = bench_model::of_campaign(&mut campaign, arguments.model.as_deref())?;
-    campaign.notes.extend(campaign.check_against(&model).or_bad_input()?);
+    let model = campaign_model::of_campaign(&mut campaign, arguments.model.as_deref())?;
+    campaign.notes.extend(campaign.check_against(model.as_ref()).or_bad_input()?);
     let json = Destination::optional(arguments.json.as_ref())?;
-    let found = check::check(&campaign, &model)?;
+    let found = check::check(&campaign, model.as_ref())?;
     if let Some(destination) = json {
         let value = to_json(&campaign, &model.name(), &found);
         destination.write((serde_json::to_string_pretty(&value)? + "\n").as_bytes())?;

@@ -1,13 +1,12 @@
 //! `sealegs compare`: where the model fails, and by how much.
 
-use crate::bench_model;
+use crate::campaign_model;
 use crate::comparison;
 use crate::diagnosis::floor;
 use crate::diagnosis::provenance::Provenance;
 use crate::failure::OrBadInput;
 use crate::output::Destination;
 use clap::Args;
-use sealegs_model::Model;
 use sealegs_recorder::recording::Output;
 use sealegs_sysid::Campaign;
 use std::io::Write;
@@ -19,7 +18,7 @@ use std::time::Instant;
 pub struct Compare {
     /// The campaign's folder, or its campaign.toml
     campaign: PathBuf,
-    /// An actuator file in place of the campaign's own actuator
+    /// An actuator file in place of the campaign's own actuator, or a scenario file for a leg
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
     /// Compare with the model file's own values, without a refit
@@ -45,13 +44,13 @@ pub struct Compare {
 pub fn run(arguments: &Compare) -> anyhow::Result<u8> {
     let started = Instant::now();
     let mut campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
-    let model = bench_model::of_campaign(&mut campaign, arguments.model.as_deref())?;
+    let model = campaign_model::of_campaign(&mut campaign, arguments.model.as_deref())?;
     let json = Destination::optional(arguments.json.as_ref())?;
     let report = Destination::optional(arguments.report.as_ref())?;
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
 
-    let level = floor(&campaign, &model);
-    let compared = comparison::compare(&campaign, &model, level, arguments.as_is)?;
+    let level = floor(&campaign, model.as_ref());
+    let compared = comparison::compare(&campaign, model.as_ref(), level, arguments.as_is)?;
     let took = started.elapsed();
 
     let others: Vec<&Path> = arguments.model.iter().map(PathBuf::as_path).collect();

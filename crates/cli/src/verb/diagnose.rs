@@ -6,9 +6,8 @@ use crate::diagnosis::story::{Sides, Story};
 use crate::diagnosis::{page, plan, progress, text};
 use crate::failure::OrBadInput;
 use crate::output::Destination;
-use crate::{bench_model, comparison};
+use crate::{campaign_model, comparison};
 use clap::Args;
-use sealegs_model::Model;
 use sealegs_recorder::recording::Output;
 use sealegs_sysid::{Campaign, Role, diagnose};
 use std::io::Write;
@@ -20,7 +19,7 @@ use std::time::Instant;
 pub struct Diagnose {
     /// The campaign's folder, or its campaign.toml
     campaign: PathBuf,
-    /// An actuator file in place of the campaign's own actuator
+    /// An actuator file in place of the campaign's own actuator, or a scenario file for a leg
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
     /// An effect of your own, as a file with an expression; may be repeated
@@ -49,7 +48,8 @@ pub struct Diagnose {
 pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let started = Instant::now();
     let mut campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
-    let model = bench_model::with_own_effects(&mut campaign, arguments.model.as_deref(), &arguments.effect)?;
+    let model =
+        campaign_model::with_own_effects(&mut campaign, arguments.model.as_deref(), &arguments.effect)?;
     campaign.require(Role::Fit).or_bad_input()?;
     campaign.require(Role::Holdout).or_bad_input()?;
     let json = Destination::optional(arguments.json.as_ref())?;
@@ -58,12 +58,12 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let plan_file = Destination::optional(arguments.plan.as_ref())?;
 
     let bar = progress::spinner();
-    let done = diagnose::diagnose(&campaign, &model, &diagnose::Options::default(), &|p| {
+    let done = diagnose::diagnose(&campaign, model.as_ref(), &diagnose::Options::default(), &|p| {
         bar.set_message(progress::message(&p));
     });
     bar.set_message("planning the next experiment");
     let planned = done.and_then(|d| {
-        let limits = plan::limits(model.spec(), &campaign);
+        let limits = model.limits(&campaign);
         diagnose::next_experiment(&campaign, &d, limits).map(|e| (d, e))
     });
     bar.finish_and_clear();

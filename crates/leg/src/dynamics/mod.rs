@@ -1,5 +1,6 @@
 //! The leg's dynamics: rigid bodies in the engine, and every force on them.
 
+pub(crate) mod command;
 pub mod contact;
 pub mod coupling;
 pub(crate) mod drive;

@@ -20,6 +20,19 @@ impl Default for StopLaw {
     }
 }
 
+/// A stop that differs at one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct JointStopChange {
+    /// The joint's degree of freedom.
+    pub dof: usize,
+    /// How much sooner than the URDF's limits it begins, rad or m.
+    pub sooner_rad: f64,
+    /// Its stiffness over that of the others.
+    pub stiffness_ratio: f64,
+    /// Its damping over that of the others.
+    pub damping_ratio: f64,
+}
+
 /// Deflection at which dry joint friction reaches its bound, rad or m: elastic until it slips, so that a
 /// resting joint rests. A numerical regularisation, not physical.
 const PRESLIDING_RAD: f64 = 1e-4;
@@ -27,6 +40,7 @@ const PRESLIDING_RAD: f64 = 1e-4;
 /// The passive torques of one joint.
 #[derive(Debug, Clone)]
 struct JointLosses {
+    law: StopLaw,
     body: usize,
     parent: usize,
     dof: usize,
@@ -44,12 +58,17 @@ struct JointLosses {
 /// The passive torques of all joints.
 #[derive(Debug, Clone)]
 pub(crate) struct Stops {
-    law: StopLaw,
     joints: Vec<JointLosses>,
 }
 
 impl Stops {
-    pub fn new(law: StopLaw, robot: &Robot, tree: &Tree, engine: &Engine) -> Self {
+    pub fn new(
+        law: StopLaw,
+        changes: &[JointStopChange],
+        robot: &Robot,
+        tree: &Tree,
+        engine: &Engine,
+    ) -> Self {
         let joints = tree
             .bodies
             .iter()
@@ -57,13 +76,20 @@ impl Stops {
             .filter_map(|(body, b)| b.joint.as_ref().map(|j| (body, j)))
             .map(|(body, j)| {
                 let joint = &robot.joints[j.joint];
+                let (mut law, mut sooner) = (law, 0.0);
+                for change in changes.iter().filter(|c| c.dof == j.dof) {
+                    law.stiffness_nm_rad *= change.stiffness_ratio;
+                    law.damping_nm_s_rad *= change.damping_ratio;
+                    sooner += change.sooner_rad;
+                }
                 JointLosses {
+                    law,
                     body,
                     parent: j.parent,
                     dof: j.dof,
                     slides: j.slides,
-                    lower: joint.limits.lower,
-                    upper: joint.limits.upper,
+                    lower: joint.limits.lower + sooner,
+                    upper: joint.limits.upper - sooner,
                     damping: joint.damping,
                     friction: joint.friction,
                     bristle: 0.0,
@@ -73,7 +99,7 @@ impl Stops {
                 }
             })
             .collect();
-        Self { law, joints }
+        Self { joints }
     }
 
     /// Takes up the pose at the start.
@@ -100,7 +126,7 @@ impl Stops {
             let mut torque = -joint.damping * speed;
             joint.stopped = past != 0.0;
             if joint.stopped {
-                let push = -self.law.stiffness_nm_rad * past - self.law.damping_nm_s_rad * speed;
+                let push = -joint.law.stiffness_nm_rad * past - joint.law.damping_nm_s_rad * speed;
                 // A stop pushes back into the range only.
                 torque += if past > 0.0 { push.min(0.0) } else { push.max(0.0) };
             }

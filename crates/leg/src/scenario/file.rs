@@ -98,6 +98,33 @@ impl Scenario {
         Ok(scenario)
     }
 
+    /// Makes the scenario's names of other files hold for a file in `folder`: those beside the present file get
+    /// their whole path where the folder is another.
+    ///
+    /// # Errors
+    ///
+    /// [`LegError::Io`] if the present file's folder can no longer be found.
+    pub fn move_to(&mut self, folder: &Path) -> Result<(), LegError> {
+        let Some(from) = self.folder.clone() else { return Ok(()) };
+        let from = if from.as_os_str().is_empty() { Path::new(".").to_owned() } else { from };
+        let whole = |path: &Path| {
+            path.canonicalize().map_err(|source| LegError::Io { path: path.display().to_string(), source })
+        };
+        let from = whole(&from)?;
+        if folder.canonicalize().is_ok_and(|to| to == from) {
+            return Ok(());
+        }
+        let names = [Some(&mut self.robot), self.placement.as_mut()];
+        for name in names.into_iter().flatten().chain(self.current_file.values_mut().map(|f| &mut f.file)) {
+            let path = from.join(&*name);
+            if path.is_file() {
+                *name = path.to_string_lossy().into_owned();
+            }
+        }
+        self.folder = Some(folder.to_owned());
+        Ok(())
+    }
+
     /// Checks every number that needs no robot.
     fn check(&self, file: &str) -> Result<(), LegError> {
         let bad = |field: String, value: f64, admitted: &str| {
@@ -181,8 +208,8 @@ impl Scenario {
             for (name, value) in &changes.parameters {
                 let field = format!("actuator.{actuator}.parameters.{name}");
                 match name.as_str() {
-                    "damping" | "sprung_mass" => not_negative(&field, *value)?,
-                    _ => positive(&field, *value)?,
+                    "damping" | "sprung_mass" => not_negative(&field, value.value)?,
+                    _ => positive(&field, value.value)?,
                 }
             }
         }
@@ -205,6 +232,12 @@ impl Scenario {
             profile
                 .validate()
                 .map_err(|e| LegError::scenario(file, &format!("current.{actuator}"), e.to_string()))?;
+        }
+        for (index, effect) in self.effects.iter().enumerate() {
+            effect.validate(index)?;
+        }
+        for (channel, sensor) in &self.sensors {
+            sensor.validate(channel)?;
         }
         for height in self.sweep.iter().flat_map(|s| &s.heights_m) {
             not_negative("sweep.heights_m", *height)?;
@@ -284,7 +317,7 @@ mod tests {
         .expect("good");
         assert_eq!(scenario.start.drop_height_m, 1.0);
         assert_eq!(scenario.actuators.spring.as_deref(), Some("stiff"));
-        assert_eq!(scenario.actuator["knee"].parameters["stiffness"], 5e5);
+        assert_eq!(scenario.actuator["knee"].parameters["stiffness"].value, 5e5);
         assert_eq!(scenario.base, BaseSpec::Rail { carriage_mass_kg: 7.0 });
     }
 

@@ -14,6 +14,7 @@ use crate::dynamics::contact::Ground;
 use crate::dynamics::stop::StopLaw;
 use sealegs_actuator::Configuration;
 use sealegs_actuator::excitation::Profile;
+use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -76,6 +77,15 @@ pub struct Scenario {
     /// What `sealegs impact` sweeps over unless told otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<SweepSpec>,
+    /// Physical effects beyond the base model, each with its place: `knee/coulomb-friction`.
+    #[serde(default, rename = "effect", skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectSpec>,
+    /// Gain and bias of the sensors by channel, as a fit has left them; only comparisons read them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub sensors: BTreeMap<String, SensorSpec>,
+    /// Where the numbers came from; kept as it is.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub provenance: BTreeMap<String, String>,
     /// The file's name without its ending, or the preset's; not a key of the file.
     #[serde(skip)]
     pub name: String,
@@ -250,9 +260,9 @@ pub struct ActuatorOverride {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub current_limit_a: Option<f64>,
     /// Values of base parameters: `stiffness`, `reflected_inertia`, `damping`, `force_constant`,
-    /// `motor_gain`, `sprung_mass`.
+    /// `motor_gain`, `sprung_mass`; a plain number, or `{ value, std }` where a fit has found it.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub parameters: BTreeMap<String, f64>,
+    pub parameters: BTreeMap<String, EffectValue>,
 }
 
 /// A sweep over drop heights and spring settings.

@@ -11,21 +11,25 @@ mod watch;
 pub use sample::{
     ActuatorModel, EnergyBalance, Event, EventKind, EventLevel, LegDescription, Observer, Sample,
 };
+pub(crate) use setup::{actuator_coefficients, actuator_spec, load_robot};
 pub use watch::{ActuatorPeaks, Peak, Peaks};
 
 use crate::LegError;
+use crate::channel::Instant;
 use crate::controller::{Controller, moment_arms, share_out};
+use crate::dynamics::command::CommandLine;
 use crate::dynamics::contact::{Contact, GroundInstant};
-use crate::dynamics::coupling::{
-    Actuator, ActuatorInstant, ActuatorPower, ActuatorStart, Laws, gravity_vector,
-};
+use crate::dynamics::coupling::{Actuator, ActuatorInstant, ActuatorPower, ActuatorStart, gravity_vector};
 use crate::dynamics::drive::Servo;
 use crate::dynamics::engine::Engine;
 use crate::dynamics::stop::{StopLaw, Stops};
 use crate::dynamics::tree::Tree;
+use crate::effect::{self, Build, LegSetting, Placed};
 use crate::robot::Robot;
 use crate::scenario::{Scenario, SpringStart};
 use nalgebra::{DVector, Vector3};
+use sealegs_actuator::plant::{Laws, SensorStage};
+use sealegs_model::Excitation;
 use setup::Parts;
 use watch::Watch;
 
@@ -42,6 +46,9 @@ pub struct Simulation {
     stops: Stops,
     contact: Option<Contact>,
     controller: Controller,
+    commands: Vec<CommandLine>,
+    /// Effects in front of or inside the sensors, by place.
+    sensor_stages: Vec<(String, Vec<Box<dyn SensorStage>>)>,
     gravity: Vector3<f64>,
     step_s: f64,
     /// Steps completed.
@@ -65,7 +72,7 @@ impl Simulation {
     ///
     /// Whatever is wrong with the robot or the scenario's names and numbers.
     pub fn new(scenario: &Scenario) -> Result<Self, LegError> {
-        Self::with_robot(scenario, setup::load_robot(scenario)?)
+        Self::with_robot(scenario, load_robot(scenario)?)
     }
 
     /// Starts a robot that was loaded or made elsewhere in the scenario; its `robot` key is not looked at.
@@ -74,12 +81,41 @@ impl Simulation {
     ///
     /// As [`Simulation::new`].
     pub fn with_robot(scenario: &Scenario, robot: Robot) -> Result<Self, LegError> {
-        let Parts { leg, tree, engine, actuators, servos, contact, start_q, start_speed } =
-            Parts::new(scenario, robot)?;
-        let names: Vec<(String, f64)> =
-            leg.actuators.iter().map(|a| (a.name.clone(), a.current_limit_a)).collect();
-        let controller = Controller::new(scenario, &leg.robot, &start_q, &names)?;
-        let stops = Stops::new(StopLaw::from(scenario.stops), &leg.robot, &tree, &engine);
+        let seen = Excitation::default();
+        let effects = effect::of_scenario(&LegSetting { scenario, robot: &robot, seen: &seen })?;
+        Self::with_effects(scenario, robot, &effects)
+    }
+
+    /// As [`Simulation::with_robot`], with these effects in place of those that the scenario names.
+    pub(crate) fn with_effects(
+        scenario: &Scenario,
+        robot: Robot,
+        effects: &[Placed],
+    ) -> Result<Self, LegError> {
+        let mut build = Build { scenario: scenario.clone(), robot, stops: Vec::new() };
+        let before = (!effects.is_empty()).then(|| build.robot.clone());
+        effects.iter().for_each(|e| e.install(&mut build));
+        let Build { scenario, robot, stops } = build;
+        // A controller knows the links as their file has them.
+        let known = before.filter(|known| known.links != robot.links);
+        let scenario = &scenario;
+        let Parts { leg, tree, engine, mut actuators, servos, contact, known_bodies, start_q, start_speed } =
+            Parts::new(scenario, robot, known)?;
+        let mut sensor_stages = Vec::new();
+        for (actuator, model) in actuators.iter_mut().zip(&leg.actuators) {
+            let mut laws =
+                effect::laws(effects, &model.name, Some((&model.coefficients, model.travel_per_rad)));
+            sensor_stages.push((model.name.clone(), std::mem::take(&mut laws.sensor_stages)));
+            actuator.laws = laws;
+        }
+        for placed in effects {
+            if !sensor_stages.iter().any(|(place, _)| *place == placed.place) {
+                let laws = effect::laws(effects, &placed.place, None);
+                sensor_stages.push((placed.place.clone(), laws.sensor_stages));
+            }
+        }
+        let controller = Controller::new(scenario, &leg, &start_q, known_bodies)?;
+        let stops = Stops::new(StopLaw::from(scenario.stops), &stops, &leg.robot, &tree, &engine);
         let count = actuators.len();
         let mut simulation = Self {
             watch: Watch::new(&leg),
@@ -93,6 +129,8 @@ impl Simulation {
             stops,
             contact,
             controller,
+            commands: (0..count).map(|_| CommandLine::default()).collect(),
+            sensor_stages,
             steps: 0,
             instants: vec![ActuatorInstant::default(); count],
             powers: vec![ActuatorPower::default(); count],
@@ -160,9 +198,22 @@ impl Simulation {
         self.engine.clear_forces();
         if self.controller.due(self.steps) {
             self.controller.update(time_s, &self.engine, &self.actuators);
+            let sent = self.commands.iter_mut().zip(&self.controller.currents_a);
+            for ((line, current), actuator) in sent.zip(&self.actuators) {
+                line.send(time_s, *current, &actuator.laws.command_stages);
+            }
         }
-        for (actuator, current) in self.actuators.iter_mut().zip(&self.controller.currents_a) {
-            actuator.apply(&mut self.engine, *current, &self.gravity, time_s, self.step_s);
+        for (i, actuator) in self.actuators.iter_mut().enumerate() {
+            let current = match self.commands[i].given(self.steps) {
+                Some(given) => {
+                    self.controller.currents_a[i] = given;
+                    given
+                }
+                // What is in force from half a step before to half a step after: between these instants the
+                // leapfrog's velocities change by what is applied now.
+                None => self.commands[i].mean(time_s - 0.5 * self.step_s, self.step_s),
+            };
+            actuator.apply(&mut self.engine, current, &self.gravity, time_s, self.step_s);
         }
         for servo in &mut self.servos {
             servo.target_rad = self.controller.target_rad(servo.dof, time_s);
@@ -332,6 +383,43 @@ impl Simulation {
     #[must_use]
     pub fn peaks(&self) -> &Peaks {
         self.watch.peaks()
+    }
+
+    /// One step that is told to whoever wants channels and nothing else.
+    pub(crate) fn advance_watched(&mut self, mut see: impl FnMut(&Instant)) -> Result<(), LegError> {
+        let mut angles = std::mem::take(&mut self.sample.joint_angles_rad);
+        angles.clone_from(&self.engine.q);
+        let base_height_m = self.engine.states[0].pose.translation.z;
+        self.advance(false)?;
+        see(&Instant {
+            joint_angles_rad: &angles,
+            actuators: &self.instants,
+            base_height_m,
+            normal_force_n: self.ground.normal_force_n,
+        });
+        self.sample.joint_angles_rad = angles;
+        Ok(())
+    }
+
+    /// Commands an actuator by these currents, A, each the mean over one step and already past the drive's stages,
+    /// in place of the controller.
+    pub(crate) fn give_currents(&mut self, actuator: usize, per_step: Vec<f64>) {
+        self.commands[actuator].give(per_step);
+    }
+
+    /// Wants a joint at these positions, rad, with straight lines between, in place of its motion.
+    pub(crate) fn give_target(&mut self, dof: usize, time_s: Vec<f64>, position_rad: Vec<f64>) {
+        self.controller.give_target(dof, time_s, position_rad);
+    }
+
+    /// Effects in front of or inside the sensors of a place.
+    pub(crate) fn sensor_stages(&self, place: &str) -> &[Box<dyn SensorStage>] {
+        self.sensor_stages.iter().find(|(p, _)| p == place).map_or(&[], |(_, stages)| stages)
+    }
+
+    /// What acts in an actuator beside its linear parts.
+    pub(crate) fn laws(&self, actuator: usize) -> Option<&Laws> {
+        self.actuators.get(actuator).map(|a| &a.laws)
     }
 
     /// What acts in an actuator beside its linear parts: the place where effects are put in.

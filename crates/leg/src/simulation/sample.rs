@@ -20,6 +20,8 @@ pub struct ActuatorModel {
     pub spring_setting: String,
     /// The numbers of its equations of motion.
     pub coefficients: Coefficients,
+    /// The same as its file and its spring's setting state them: what a controller knows of it.
+    pub nominal: Coefficients,
     /// What its spring can bear.
     pub limits: SpringLimits,
     /// Screw travel per rotor angle `r`, m/rad.

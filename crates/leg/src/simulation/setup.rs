@@ -8,7 +8,7 @@ use crate::dynamics::drive::{Servo, ServoLaw};
 use crate::dynamics::engine::{Base, Engine};
 use crate::dynamics::tree::Tree;
 use crate::error::nearest;
-use crate::robot::{Drive, Robot};
+use crate::robot::{Drive, Inertial, Robot};
 use crate::scenario::{BaseSpec, Scenario};
 use nalgebra::{Isometry3, Translation3};
 use sealegs_actuator::{ActuatorSpec, Coefficients, Configuration};
@@ -22,12 +22,14 @@ pub(super) struct Parts {
     pub actuators: Vec<Actuator>,
     pub servos: Vec<Servo>,
     pub contact: Option<Contact>,
+    /// Masses of the bodies as a controller knows them, where they are others.
+    pub known_bodies: Option<Vec<Option<Inertial>>>,
     pub start_q: Vec<f64>,
     pub start_speed: Vec<f64>,
 }
 
 /// The robot of a scenario.
-pub(super) fn load_robot(scenario: &Scenario) -> Result<Robot, LegError> {
+pub(crate) fn load_robot(scenario: &Scenario) -> Result<Robot, LegError> {
     let beside = |file: &str| match &scenario.folder {
         Some(folder) if folder.join(file).is_file() => folder.join(file),
         _ => Path::new(file).to_owned(),
@@ -38,14 +40,15 @@ pub(super) fn load_robot(scenario: &Scenario) -> Result<Robot, LegError> {
 }
 
 impl Parts {
-    pub fn new(scenario: &Scenario, robot: Robot) -> Result<Self, LegError> {
+    /// `known` is the robot as a controller knows it, where it differs.
+    pub fn new(scenario: &Scenario, robot: Robot, known: Option<Robot>) -> Result<Self, LegError> {
         check_names(scenario, &robot)?;
         let mut robot = robot;
         let mut models = Vec::new();
         for placement in &mut robot.actuators {
             let Some(spec) = placement.spec.as_ref() else { continue };
-            let spec = with_overrides(scenario, &placement.name, spec)?;
-            let coefficients = coefficients(scenario, &placement.name, &spec)?;
+            let spec = actuator_spec(scenario, &placement.name, spec)?;
+            let coefficients = actuator_coefficients(scenario, &placement.name, &spec)?;
             if coefficients.configuration == Configuration::Lumped {
                 // The lumped mass has no weight of its own: the link keeps what it has.
                 placement.sprung_mass_in = None;
@@ -55,6 +58,7 @@ impl Parts {
                 id: spec.id.clone(),
                 spring_setting: spec.spring.setting(),
                 coefficients,
+                nominal: spec.coefficients(),
                 limits: sealegs_actuator::spring::SpringLimits {
                     stiffness: coefficients.stiffness,
                     ..spec.spring_limits()
@@ -70,12 +74,11 @@ impl Parts {
             });
             placement.spec = Some(spec);
         }
-        let robot = robot.without_sprung_masses()?;
-        let mut tree = Tree::new(&robot);
-        let sprung = robot.actuators.iter().filter(|p| !matches!(p.drive, Drive::RigidPosition { .. }));
-        for (placement, model) in sprung.zip(&models) {
-            place_sprung_mass(&mut tree, placement, &model.coefficients);
-        }
+        let (robot, tree) = bodies(robot, &models)?;
+        let known_bodies = match known {
+            Some(known) => Some(bodies(known, &models)?.1.bodies.into_iter().map(|b| b.inertial).collect()),
+            None => None,
+        };
         check_bodies(scenario, &robot, &tree)?;
         let by_joint = |map: &std::collections::BTreeMap<String, f64>| -> Vec<f64> {
             robot.moving_joints().map(|j| map.get(&j.name).copied().unwrap_or(0.0)).collect()
@@ -119,8 +122,19 @@ impl Parts {
             duration_s: scenario.duration_s,
             robot,
         };
-        Ok(Self { leg, tree, engine, actuators, servos, contact, start_q, start_speed })
+        Ok(Self { leg, tree, engine, actuators, servos, contact, known_bodies, start_q, start_speed })
     }
+}
+
+/// The moving bodies of a robot with the sprung masses of its actuators where the engine is to carry them.
+fn bodies(robot: Robot, models: &[ActuatorModel]) -> Result<(Robot, Tree), LegError> {
+    let robot = robot.without_sprung_masses()?;
+    let mut tree = Tree::new(&robot);
+    let sprung = robot.actuators.iter().filter(|p| !matches!(p.drive, Drive::RigidPosition { .. }));
+    for (placement, model) in sprung.zip(models) {
+        place_sprung_mass(&mut tree, placement, &model.coefficients);
+    }
+    Ok((robot, tree))
 }
 
 /// Every joint or actuator that the scenario names must be there.
@@ -160,7 +174,11 @@ fn check_names(scenario: &Scenario, robot: &Robot) -> Result<(), LegError> {
 }
 
 /// The actuator with the scenario's spring setting and configuration.
-fn with_overrides(scenario: &Scenario, name: &str, spec: &ActuatorSpec) -> Result<ActuatorSpec, LegError> {
+pub(crate) fn actuator_spec(
+    scenario: &Scenario,
+    name: &str,
+    spec: &ActuatorSpec,
+) -> Result<ActuatorSpec, LegError> {
     let own = scenario.actuator.get(name);
     let setting = own.and_then(|o| o.spring.as_ref()).or(scenario.actuators.spring.as_ref());
     let mut spec = match setting {
@@ -174,17 +192,23 @@ fn with_overrides(scenario: &Scenario, name: &str, spec: &ActuatorSpec) -> Resul
 }
 
 /// The numbers of an actuator with the scenario's parameters in place of its own.
-fn coefficients(scenario: &Scenario, name: &str, spec: &ActuatorSpec) -> Result<Coefficients, LegError> {
+pub(crate) fn actuator_coefficients(
+    scenario: &Scenario,
+    name: &str,
+    spec: &ActuatorSpec,
+) -> Result<Coefficients, LegError> {
     let mut c = spec.coefficients();
     let parameters = scenario.actuator.get(name).map(|o| &o.parameters);
-    for (parameter, value) in parameters.into_iter().flatten() {
+    for (parameter, given) in parameters.into_iter().flatten() {
+        let value = given.value;
         match parameter.as_str() {
-            "stiffness" => c.stiffness = *value,
-            "reflected_inertia" => c.reflected_inertia = *value,
-            "damping" => c.damping = *value,
-            "force_constant" => c.force_constant = *value,
-            "motor_gain" => c.force_constant *= *value,
-            "sprung_mass" => c.sprung_mass = *value,
+            "stiffness" => c.stiffness = value,
+            "stiffness_ratio" => c.stiffness *= value,
+            "reflected_inertia" => c.reflected_inertia = value,
+            "damping" => c.damping = value,
+            "force_constant" => c.force_constant = value,
+            "motor_gain" => c.force_constant *= value,
+            "sprung_mass" => c.sprung_mass = value,
             other => {
                 let known = [
                     "stiffness",

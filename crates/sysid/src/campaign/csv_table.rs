@@ -1,12 +1,11 @@
 //! A run's table as CSV: a header, then rows whose every cell is a finite number.
 
-use super::Bench;
-use super::table::{Table, add_name, check_columns, check_length, later, sort};
+use super::table::{Said, Table, add_name, check_columns, check_length, later, sort};
 use crate::Error;
 use std::path::Path;
 
 /// Reads the bytes of a CSV file.
-pub(super) fn parse(path: &Path, bytes: &[u8], bench: Bench) -> Result<Table, Error> {
+pub(super) fn parse(path: &Path, bytes: &[u8], said: Said) -> Result<Table, Error> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Error::bad(path, None, None, "is empty"));
@@ -20,7 +19,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], bench: Bench) -> Result<Table, Er
         return Err(Error::bad(path, None, None, "is empty"));
     }
     let names = header(path, &row)?;
-    check_columns(path, 1, &names, bench)?;
+    check_columns(path, 1, &names, said)?;
 
     let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(bytes.len() / (8 * names.len())); names.len()];
     let time_column = names.iter().position(|n| n == "time_s").unwrap_or(0);
@@ -47,7 +46,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], bench: Bench) -> Result<Table, Er
         }
     }
     check_length(path, columns[time_column].len())?;
-    Ok(sort(names, columns, bench))
+    Ok(sort(names, columns, said))
 }
 
 /// The column names of the first row.

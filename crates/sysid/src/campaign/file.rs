@@ -14,6 +14,8 @@ pub(super) struct Description {
     pub bench: Bench,
     pub actuator: String,
     pub scenario: Option<String>,
+    /// For a leg: columns that are commands.
+    pub inputs: Vec<String>,
     pub sample_rate_hz: Option<f64>,
     pub hold: InputHold,
     pub noise_std: Vec<(String, f64)>,
@@ -25,6 +27,8 @@ pub(super) struct Description {
 pub(super) struct RunEntry {
     pub file: String,
     pub role: Role,
+    /// For a leg: its own scenario.
+    pub scenario: Option<String>,
     pub from_s: Option<f64>,
     pub to_s: Option<f64>,
     /// The line of its `file` key.
@@ -37,6 +41,7 @@ struct RawCampaign {
     bench: Spanned<String>,
     actuator: Option<Spanned<String>>,
     scenario: Option<String>,
+    inputs: Option<Spanned<Vec<String>>>,
     sample_rate_hz: Option<Spanned<f64>>,
     input_hold: Option<Spanned<String>>,
     #[serde(default)]
@@ -49,13 +54,14 @@ struct RawCampaign {
 struct RawRun {
     file: Spanned<String>,
     role: Spanned<String>,
+    scenario: Option<Spanned<String>>,
     from_s: Option<Spanned<f64>>,
     to_s: Option<Spanned<f64>>,
 }
 
-const KEYS: [&str; 8] =
-    ["name", "bench", "actuator", "scenario", "sample_rate_hz", "input_hold", "noise_std", "run"];
-const RUN_KEYS: [&str; 4] = ["file", "role", "from_s", "to_s"];
+const KEYS: [&str; 9] =
+    ["name", "bench", "actuator", "scenario", "inputs", "sample_rate_hz", "input_hold", "noise_std", "run"];
+const RUN_KEYS: [&str; 5] = ["file", "role", "scenario", "from_s", "to_s"];
 
 /// Reads and checks a campaign file; the tables it names are not touched.
 pub(super) fn read(path: &Path) -> Result<Description, Error> {
@@ -94,6 +100,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
     }
     if bench != Bench::Leg && raw.actuator.as_ref().is_none_or(|a| a.get_ref().trim().is_empty()) {
         return Err(Error::bad(path, raw.actuator.map(|a| line(a.span())), Some("actuator"), "is missing"));
+    }
+    if let Some(inputs) = raw.inputs.as_ref().filter(|_| bench != Bench::Leg) {
+        let problem = "is for a leg; the input of a bench is known by its column's name";
+        return Err(Error::bad(path, line(inputs.span()), Some("inputs"), problem));
     }
     let hold = match raw.input_hold.as_ref().map(|h| (h.get_ref().as_str(), h.span())) {
         None | Some(("zero-order", _)) => InputHold::ZeroOrder,
@@ -142,13 +152,21 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
             }
             other => Ok(other.as_ref().map(|v| *v.get_ref())),
         };
+        if let Some(scenario) = run.scenario.as_ref().filter(|_| bench != Bench::Leg) {
+            return Err(Error::bad(path, line(scenario.span()), Some("scenario"), "is for a leg"));
+        }
         let entry = RunEntry {
             file: run.file.get_ref().clone(),
             role,
+            scenario: run.scenario.as_ref().map(|s| s.get_ref().clone()),
             from_s: bound(&run.from_s, "from_s")?,
             to_s: bound(&run.to_s, "to_s")?,
             line: line(run.file.span()),
         };
+        if runs.iter().any(|r| r.file == entry.file && r.scenario != entry.scenario) {
+            let problem = format!("'{}' stands here with two scenarios", entry.file);
+            return Err(Error::bad(path, entry.line, Some("scenario"), problem));
+        }
         if let Some(before) = runs.iter().find(|r| r.file == entry.file && r.role != entry.role) {
             let apart = entry.from_s.zip(before.to_s).is_some_and(|(a, b)| a >= b)
                 || before.from_s.zip(entry.to_s).is_some_and(|(a, b)| a >= b);
@@ -171,6 +189,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         bench,
         actuator: raw.actuator.map(Spanned::into_inner).unwrap_or_default(),
         scenario: raw.scenario,
+        inputs: raw.inputs.map(Spanned::into_inner).unwrap_or_default(),
         sample_rate_hz,
         hold,
         noise_std,

@@ -92,6 +92,8 @@ impl Role {
 pub struct Run {
     /// What it is for.
     pub role: Role,
+    /// For a leg: its own scenario in place of the campaign's, a preset's name or a file beside the campaign's.
+    pub scenario: Option<String>,
     /// Time stamps, the input and the known output columns, all rows of the file. Its name is the file's.
     pub record: Record,
     /// The rows that count for errors (`from_s`, `to_s`); the model still simulates from the first row.
@@ -156,7 +158,8 @@ impl Campaign {
                         format!("no such file: {}", run.file),
                     ));
                 }
-                let table = table::read(&path, description.bench)?;
+                let said = table::Said { bench: description.bench, leg_inputs: &description.inputs };
+                let table = table::read(&path, said)?;
                 let record = Record {
                     name: run.file.clone(),
                     time_s: table.time_s,
@@ -177,7 +180,8 @@ impl Campaign {
                     return Err(Error::bad(&path, None, Some("time_s"), problem));
                 }
                 let clock = Clock::of(&record.time_s, description.sample_rate_hz);
-                Ok(Run { role: run.role, record, scored, unknown: table.unknown, clock, path })
+                let scenario = run.scenario.clone();
+                Ok(Run { role: run.role, scenario, record, scored, unknown: table.unknown, clock, path })
             })
             .collect();
         let runs = runs.into_iter().collect::<Result<Vec<Run>, Error>>()?;

@@ -1,8 +1,7 @@
 //! A run's table as Parquet: the same columns as in CSV, as floating-point or integer numbers.
 
-use super::Bench;
 use super::fence::fenced;
-use super::table::{Table, add_name, check_columns, check_length, later, sort};
+use super::table::{Said, Table, add_name, check_columns, check_length, later, sort};
 use crate::{Error, Place};
 use bytes::Bytes;
 use parquet::basic::{Compression, ConvertedType, LogicalType, Type as Physical};
@@ -24,13 +23,13 @@ const MOST_VALUES: usize = 200_000_000;
 const BATCH: usize = 65_536;
 
 /// Reads the bytes of a Parquet file.
-pub(super) fn parse(path: &Path, bytes: Bytes, bench: Bench) -> Result<Table, Error> {
-    fenced(|| decode(path, bytes, bench)).unwrap_or_else(|| {
+pub(super) fn parse(path: &Path, bytes: Bytes, said: Said) -> Result<Table, Error> {
+    fenced(|| decode(path, bytes, said)).unwrap_or_else(|| {
         Err(Error::bad(path, None, None, "is no readable Parquet file: its parts contradict each other"))
     })
 }
 
-fn decode(path: &Path, bytes: Bytes, bench: Bench) -> Result<Table, Error> {
+fn decode(path: &Path, bytes: Bytes, said: Said) -> Result<Table, Error> {
     if bytes.is_empty() {
         return Err(Error::bad(path, None, None, "is empty"));
     }
@@ -38,7 +37,7 @@ fn decode(path: &Path, bytes: Bytes, bench: Bench) -> Result<Table, Error> {
     let metadata =
         ParquetMetaDataReader::new().parse_and_finish(bytes.as_ref()).map_err(|e| broken(path, &e))?;
     let names = names(path, &metadata)?;
-    check_columns(path, Place::Whole, &names, bench)?;
+    check_columns(path, Place::Whole, &names, said)?;
     let kinds = names
         .iter()
         .zip(metadata.file_metadata().schema_descr().columns())
@@ -73,7 +72,7 @@ fn decode(path: &Path, bytes: Bytes, bench: Bench) -> Result<Table, Error> {
         }
         columns.push(values);
     }
-    Ok(sort(names, columns, bench))
+    Ok(sort(names, columns, said))
 }
 
 /// An error of the decoder, in one line.

@@ -15,14 +15,22 @@ pub(super) struct Table {
     pub unknown: Vec<Signal>,
 }
 
+/// What a campaign says of the columns of its runs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Said<'a> {
+    pub bench: Bench,
+    /// A leg's columns that are commands; every run must have them all.
+    pub leg_inputs: &'a [String],
+}
+
 /// Reads a run's file: Parquet if its name ends in `.parquet`, else CSV.
-pub(super) fn read(path: &Path, bench: Bench) -> Result<Table, Error> {
+pub(super) fn read(path: &Path, said: Said) -> Result<Table, Error> {
     let bytes =
         std::fs::read(path).map_err(|e| Error::bad(path, None, None, format!("cannot be read: {e}")))?;
     if is_parquet(path) {
-        parquet_table::parse(path, bytes.into(), bench)
+        parquet_table::parse(path, bytes.into(), said)
     } else {
-        csv_table::parse(path, &bytes, bench)
+        csv_table::parse(path, &bytes, said)
     }
 }
 
@@ -64,9 +72,12 @@ pub(super) fn check_columns(
     path: &Path,
     at: impl Into<Place>,
     names: &[String],
-    bench: Bench,
+    said: Said,
 ) -> Result<(), Error> {
-    let at = at.into();
+    let (at, bench) = (at.into(), said.bench);
+    if let Some(missing) = said.leg_inputs.iter().find(|i| !names.contains(i)) {
+        return Err(Error::bad(path, at, Some(missing), "is missing; the campaign's 'inputs' names it"));
+    }
     let words: Vec<&str> = names.iter().map(String::as_str).collect();
     for name in &words {
         // A name without an underscore carries no unit at all (`index`): kept, as unknown. So is the index
@@ -125,14 +136,16 @@ pub(super) fn check_length(path: &Path, rows: usize) -> Result<(), Error> {
 }
 
 /// The columns by what they are.
-pub(super) fn sort(names: Vec<String>, columns: Vec<Vec<f64>>, bench: Bench) -> Table {
+pub(super) fn sort(names: Vec<String>, columns: Vec<Vec<f64>>, said: Said) -> Table {
     let mut table =
         Table { time_s: Vec::new(), inputs: Vec::new(), outputs: Vec::new(), unknown: Vec::new() };
     for (channel, values) in names.into_iter().zip(columns) {
-        let leg_output = bench == Bench::Leg && channel.contains('.');
+        let leg_output = said.bench == Bench::Leg && channel.contains('.');
         if channel == "time_s" {
             table.time_s = values;
-        } else if INPUT_COLUMNS.contains(&channel.as_str()) {
+        } else if said.leg_inputs.contains(&channel)
+            || (said.bench != Bench::Leg && INPUT_COLUMNS.contains(&channel.as_str()))
+        {
             table.inputs.push(Signal { channel, values });
         } else if leg_output || OUTPUT_COLUMNS.contains(&channel.as_str()) {
             table.outputs.push(Signal { channel, values });

@@ -74,6 +74,27 @@ fn a_leg_campaign_is_read() {
 }
 
 #[test]
+fn a_leg_run_has_its_own_scenario_and_its_inputs() {
+    let toml = |inputs: &str, scenario: &str| {
+        format!(
+            "bench = \"leg\"\nscenario = \"thor-swing\"\n{inputs}\n[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\n{scenario}"
+        )
+    };
+    let csv = "time_s,knee.current_a,knee.force_1_n\n".to_owned() + &rows(20);
+    let given = |inputs: &str| read(&toml(inputs, "scenario = \"high.toml\"\n"), Some(csv.as_bytes()));
+    let run = &given("inputs = [\"knee.current_a\"]").unwrap().runs[0];
+    assert_eq!(run.scenario.as_deref(), Some("high.toml"));
+    assert!(run.record.input("knee.current_a").is_some() && run.record.outputs.len() == 1);
+    let measured = &given("").unwrap().runs[0].record;
+    assert!(measured.inputs.is_empty() && measured.output("knee.current_a").is_some());
+    assert!(given("inputs = [\"hip.current_a\"]").unwrap_err().to_string().contains("hip.current_a"));
+    let bench = "bench = \"locked\"\nactuator = \"thor-linear\"\n";
+    let run = "[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\n";
+    assert!(toml_refused(&format!("{bench}inputs = []\n{run}")).contains("inputs"));
+    assert!(toml_refused(&format!("{bench}{run}scenario = \"a.toml\"\n")).contains("scenario"));
+}
+
+#[test]
 fn missing_and_empty_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     assert!(Campaign::read(folder.path()).unwrap_err().to_string().contains("campaign.toml"));
@@ -202,10 +223,14 @@ fn a_million_rows_take_about_a_second() {
         let _ = writeln!(csv, "{:.4},{:.5},{:.2},{:.2}", f64::from(i) * 1e-3, 0.123, f64::from(i % 100), 5.5);
     }
     let started = std::time::Instant::now();
-    let table = csv_table::parse(Path::new("big.csv"), csv.as_bytes(), Bench::Locked).unwrap();
+    let table = csv_table::parse(Path::new("big.csv"), csv.as_bytes(), said(Bench::Locked)).unwrap();
     assert_eq!(table.time_s.len(), 1_000_000);
     // A generous bound, as other tests share the machine; it takes about 0.3 s alone.
     assert!(started.elapsed().as_secs_f64() < 3.0, "{:?}", started.elapsed());
+}
+
+fn said(bench: Bench) -> table::Said<'static> {
+    table::Said { bench, leg_inputs: &[] }
 }
 
 proptest! {
@@ -213,7 +238,7 @@ proptest! {
 
     #[test]
     fn no_table_makes_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        let _ = csv_table::parse(Path::new("x.csv"), &bytes, Bench::Locked);
+        let _ = csv_table::parse(Path::new("x.csv"), &bytes, said(Bench::Locked));
     }
 
     #[test]
@@ -221,7 +246,7 @@ proptest! {
         cells in prop::collection::vec("[0-9.,e\\-\n\"NaNif; ]{0,12}", 0..60)
     ) {
         let text = HEADER.to_owned() + &cells.concat();
-        if let Err(e) = csv_table::parse(Path::new("x.csv"), text.as_bytes(), Bench::Pendulum) {
+        if let Err(e) = csv_table::parse(Path::new("x.csv"), text.as_bytes(), said(Bench::Pendulum)) {
             prop_assert!(!e.to_string().is_empty());
         }
     }

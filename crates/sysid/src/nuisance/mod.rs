@@ -53,11 +53,16 @@ impl SensorPrior {
         let wide = (0.05 * peak).max(5.0 * noise_std);
         let gain_std = match channel {
             "spring_torque_nm" => 0.1,
+            // A length along a rail: a scale or a wire.
+            "base.height_m" => 0.005,
             _ if channel.ends_with("_rad") => 0.0,
             _ => 0.01,
         };
         let (bias_std, run_bias_std) = match channel {
             "motor_angle_rad" => (2.0 * noise_std, 2.0 * noise_std),
+            _ if channel.ends_with(".rotor_angle_rad") => (2.0 * noise_std, 2.0 * noise_std),
+            // A drive measures its current about a zero that it finds anew whenever it is switched on.
+            _ if channel.ends_with("_a") => (wide.min(10.0 * noise_std), noise_std),
             _ if channel.ends_with("_rad") => {
                 let mounted = (0.02 * peak).clamp(5.0 * noise_std, f64::max(0.02, 5.0 * noise_std));
                 (mounted, 0.2 * mounted + noise_std)

@@ -366,13 +366,13 @@ impl Effect for OwnEffect {
         let law = self.expression.bind(self.place.variables().len(), values);
         let per_travel = 1.0 / plant.travel_per_rad;
         match self.place {
-            Place::Rotor => plant.rotor_forces.push(Box::new(OnRotor { law, per_travel })),
+            Place::Rotor => plant.laws.rotor_forces.push(Box::new(OnRotor { law, per_travel })),
             Place::Drive => {
                 let force_per_command = plant.force_per_command;
-                plant.drive_limits.push(Box::new(InDrive { law, per_travel, force_per_command }));
+                plant.laws.drive_limits.push(Box::new(InDrive { law, per_travel, force_per_command }));
             }
             Place::Spring => {
-                plant.spring_forces.push(Box::new(BesideSpring { law, stiffness: plant.stiffness }));
+                plant.laws.spring_forces.push(Box::new(BesideSpring { law, stiffness: plant.stiffness }));
             }
             Place::Output => {
                 let arm = if let Link::Pendulum { arm_m, .. } = plant.link_2 { arm_m } else { 1.0 };

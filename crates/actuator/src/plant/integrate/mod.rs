@@ -161,13 +161,13 @@ impl<'a, const N: usize> Stepper<'a, N> {
             }
             _ => None,
         };
-        let spring_is_linear = plant.spring_is_linear();
-        let needs_mean = !plant.rotor_forces.is_empty()
+        let spring_is_linear = plant.laws.spring_is_linear();
+        let needs_mean = !plant.laws.rotor_forces.is_empty()
             || !plant.output_forces.is_empty()
-            || !plant.drive_limits.is_empty()
+            || !plant.laws.drive_limits.is_empty()
             || !spring_is_linear
             || at.wobbling.is_some();
-        let has_rotor_friction = !plant.rotor_friction.is_empty();
+        let has_rotor_friction = !plant.laws.rotor_friction.is_empty();
         Ok(Self {
             plant,
             grid,
@@ -189,12 +189,12 @@ impl<'a, const N: usize> Stepper<'a, N> {
             needs_mean,
             gravity,
             has_friction: has_rotor_friction
-                || plant.rotor_presliding.is_some()
+                || plant.laws.rotor_presliding.is_some()
                 || (plant.output_friction > 0.0 && at.link_2.is_some()),
             has_rotor_friction,
             bound_feels: (
-                plant.rotor_friction.iter().any(|f| f.feels_speed()),
-                plant.rotor_friction.iter().any(|f| f.feels_load()),
+                plant.laws.rotor_friction.iter().any(|f| f.feels_speed()),
+                plant.laws.rotor_friction.iter().any(|f| f.feels_load()),
             ),
         })
     }
@@ -283,9 +283,9 @@ impl<'a, const N: usize> Stepper<'a, N> {
         }
         let delta = dot(&self.deflection, &next.motion.position);
         let rate = dot(&self.deflection, &next.motion.velocity);
-        next.force_1 = self.plant.stiffness * delta + self.plant.spring_damping * rate;
+        next.force_1 = self.plant.stiffness * delta + self.plant.laws.spring_damping * rate;
         if !self.spring_is_linear {
-            if let Some(element) = self.plant.spring_slip {
+            if let Some(element) = self.plant.laws.spring_slip {
                 next.spring_slip = element.advance(from.spring_slip, delta - dot(&self.deflection, q));
             }
             let force = self.plant.spring_force(delta, rate) + next.spring_slip;
@@ -338,8 +338,8 @@ impl<'a, const N: usize> Stepper<'a, N> {
             mean.velocity[i] = travel * per_step;
         }
         let y_dot = mean.velocity[0];
-        if !plant.drive_limits.is_empty() {
-            let limited = plant.limited_force(next.motor, y_dot);
+        if !plant.laws.drive_limits.is_empty() {
+            let limited = plant.laws.limited_force(next.motor, y_dot);
             forces[0] += limited - next.motor;
             next.motor = limited;
         }
@@ -350,16 +350,14 @@ impl<'a, const N: usize> Stepper<'a, N> {
                 forces[i] -= self.deflection[i] * departure;
             }
         }
-        if !plant.rotor_forces.is_empty() {
+        if !plant.laws.rotor_forces.is_empty() {
             let spring = plant.stiffness * dot(&self.deflection, &mean.position)
-                + plant.spring_damping * dot(&self.deflection, &mean.velocity);
+                + plant.laws.spring_damping * dot(&self.deflection, &mean.velocity);
             let load = spring + departure - plant.sprung_mass * from.sprung_acceleration;
             let t = self.grid.time(n) + 0.5 * h;
             // As in a leapfrog: a force that changes fast with the angle neither feeds nor brakes the motion.
             let y = q[0] + 0.5 * h * from.motion.velocity[0];
-            for force in &plant.rotor_forces {
-                forces[0] += force.force(y, y_dot, load, t);
-            }
+            forces[0] += plant.laws.rotor_force(y, y_dot, load, t);
         }
         if let Some(i) = self.link_2.filter(|_| !plant.output_forces.is_empty()) {
             let (x, t) = (q[i] + 0.5 * h * from.motion.velocity[i], self.grid.time(n) + 0.5 * h);
@@ -376,14 +374,14 @@ impl<'a, const N: usize> Stepper<'a, N> {
         let (h, per_step, plant) = (self.grid.step_s, self.per_step, self.plant);
         let delta = dot(&self.deflection, &mean.position);
         let rate = dot(&self.deflection, &mean.velocity);
-        let mut departure = plant.spring_force_beside(delta, rate);
-        if plant.spring_damping != 0.0 && !plant.spring_path.is_empty() {
+        let mut departure = plant.laws.spring_force_beside(plant.stiffness, delta, rate);
+        if plant.laws.spring_damping != 0.0 && !plant.laws.spring_path.is_empty() {
             // The damper works in contact only: over a step that makes or breaks it, in proportion.
             let start = dot(&self.deflection, &from.motion.position);
-            let in_contact = plant.spring_left(start + h * rate) - plant.spring_left(start);
-            departure += plant.spring_damping * (in_contact * per_step - rate);
+            let in_contact = plant.laws.spring_left(start + h * rate) - plant.laws.spring_left(start);
+            departure += plant.laws.spring_damping * (in_contact * per_step - rate);
         }
-        if let Some(element) = plant.spring_slip {
+        if let Some(element) = plant.laws.spring_slip {
             departure += element.advance(from.spring_slip, 0.5 * h * rate);
         }
         departure

@@ -35,7 +35,7 @@ impl<const N: usize> Stepper<'_, N> {
         let (q, v) = (&from.motion.position, &from.motion.velocity);
         let (to_position, to_velocity) = &self.propagator.by_force;
         let output = self.link_2.filter(|_| plant.output_friction > 0.0);
-        let presliding = plant.rotor_presliding;
+        let presliding = plant.laws.rotor_presliding;
         let kinds = usize::from(self.has_rotor_friction)
             + usize::from(output.is_some())
             + usize::from(presliding.is_some());
@@ -69,7 +69,7 @@ impl<const N: usize> Stepper<'_, N> {
                     after_free: free.velocity[0] + others,
                     mobility: to_velocity[0][0],
                 };
-                let bound = |speed, direction| plant.rotor_friction_bound(speed, direction, load);
+                let bound = |speed, direction| plant.laws.rotor_friction_bound(speed, direction, load);
                 (friction.dry, friction.rotor) = if self.bound_feels.0 {
                     sliding.resolve(friction.dry.abs(), bound)
                 } else {
@@ -110,7 +110,7 @@ impl<const N: usize> Stepper<'_, N> {
         let travel = dot(&self.deflection, &after.position) - start;
         let delta = start + THIRD * (travel + 0.5 * h * dot(&self.deflection, &from.motion.velocity));
         let mut spring = plant.spring_force(delta, travel * self.per_step);
-        if let Some(element) = plant.spring_slip {
+        if let Some(element) = plant.laws.spring_slip {
             spring += element.advance(from.spring_slip, 0.5 * travel);
         }
         let gained = dot(&self.sprung.row, &after.velocity) - dot(&self.sprung.row, &from.motion.velocity);
@@ -128,7 +128,7 @@ impl<const N: usize> Stepper<'_, N> {
         }
         next.motion.hold(0, friction.rotor, &from.motion);
         next.dry = friction.dry;
-        if let Some(element) = self.plant.rotor_presliding {
+        if let Some(element) = self.plant.laws.rotor_presliding {
             let travel = next.motion.position[0] - from.motion.position[0];
             next.presliding = element.advance(from.presliding, travel);
         }
@@ -148,7 +148,7 @@ impl<const N: usize> Stepper<'_, N> {
         if self.has_rotor_friction && v[0] * from.motion.velocity[0] < 0.0 {
             let direction = v[0].signum();
             let load = self.load(from, &next.motion);
-            dry = -direction * plant.rotor_friction_bound(v[0], direction, load);
+            dry = -direction * plant.laws.rotor_friction_bound(v[0], direction, load);
         }
         forces[0] += dry - next.presliding;
         let output = self.link_2.filter(|_| plant.output_friction > 0.0);

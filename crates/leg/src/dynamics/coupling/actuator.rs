@@ -1,10 +1,10 @@
 //! One actuator of the leg: spring, rotor and sprung mass between two links.
 
-use super::laws::Laws;
 use super::path::{Path, Reach};
 use super::rotor::{Rotor, RotorStep};
 use crate::dynamics::engine::Engine;
 use nalgebra::{Point3, Vector3};
+use sealegs_actuator::plant::Laws;
 use sealegs_actuator::{Coefficients, Configuration};
 
 /// One actuator in the leg. See the [module](super) for the equations.
@@ -54,7 +54,7 @@ pub(super) struct Applied {
 /// An actuator at one instant, everything at the time of the poses.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ActuatorInstant {
-    /// Motor current after the drive, A.
+    /// Commanded motor current, before what the drive makes of it, A.
     pub current_a: f64,
     /// Motor force on the screw `F_m`, N.
     pub motor_force_n: f64,
@@ -120,6 +120,29 @@ impl Actuator {
         }
     }
 
+    /// Deflection at which the spring carries a force, m: its law grows with deflection, and is halved to it.
+    fn deflection_under(&self, spring_n: f64) -> f64 {
+        let stiffness = self.coefficients.stiffness;
+        let linear = spring_n / stiffness;
+        let force = |deflection: f64| self.laws.spring_force(stiffness, deflection, 0.0);
+        if self.laws.spring_is_linear() || spring_n == 0.0 {
+            return linear;
+        }
+        let (mut low, mut high) = (0.0, linear);
+        // Play and softening springs need more than the linear deflection; nothing needs a thousand times that.
+        for _ in 0..10 {
+            if (force(high) - spring_n) * spring_n >= 0.0 {
+                break;
+            }
+            (low, high) = (high, 2.0 * high);
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if (force(middle) - spring_n) * spring_n >= 0.0 { high = middle } else { low = middle }
+        }
+        high
+    }
+
     fn is_lumped(&self) -> bool {
         self.coefficients.configuration == Configuration::Lumped
     }
@@ -137,7 +160,7 @@ impl Actuator {
     /// given initial accelerations (zero on the first, trial, start).
     pub fn start(&mut self, engine: &Engine, spring_n: f64, start: &ActuatorStart, step_s: f64) {
         self.reach = self.path.reach(engine);
-        let deflection = spring_n / self.coefficients.stiffness;
+        let deflection = self.deflection_under(spring_n);
         self.rest_length_m = self.reach.length_m + deflection;
         let back = |acceleration: f64, half_steps: f64| -0.5 * half_steps * step_s * acceleration;
         let rotor_rate = self.reach.rate_m_s;
@@ -193,8 +216,8 @@ impl Actuator {
             spring += self.spring_slip_n;
         }
         self.deflection_before_m = deflection;
-        let motor = self.laws.motor_force(c.force_constant * current_a, speed);
-        let push = motor + self.laws.on_rotor(self.rotor.y_m, speed, self.load_n, time_s);
+        let motor = self.laws.limited_force(c.force_constant * current_a, speed);
+        let push = motor + self.laws.rotor_force(self.rotor.y_m, speed, self.load_n, time_s);
         let felt = self.reach.direction.dot(&(self.acceleration - gravity));
         let y_m = self.rotor.y_m;
         let (on_1, on_2, rotor) = match (c.configuration, &self.path) {

@@ -28,13 +28,11 @@
 
 mod actuator;
 mod curve;
-mod laws;
 mod path;
 mod rotor;
 
 pub use actuator::ActuatorInstant;
 pub(crate) use actuator::{Actuator, ActuatorPower, ActuatorStart};
-pub use laws::Laws;
 
 use crate::dynamics::engine::Engine;
 use crate::dynamics::tree::Tree;

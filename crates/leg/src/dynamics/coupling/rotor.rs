@@ -1,7 +1,6 @@
 //! The rotor: one coordinate in lockstep with the engine, damped implicitly, stuck or slipping exactly.
 
-use super::laws::Laws;
-use sealegs_actuator::plant::Sliding;
+use sealegs_actuator::plant::{Laws, Sliding};
 
 /// The rotor's state, referred to the screw.
 #[derive(Debug, Clone, Copy, Default)]
@@ -55,7 +54,8 @@ impl Rotor {
         }
         if !laws.rotor_friction.is_empty() {
             let sliding = Sliding { before, after_free: free + mobility * friction_n, mobility };
-            friction_n += sliding.mean_force(|speed, direction| laws.friction_bound(speed, direction, load));
+            friction_n +=
+                sliding.mean_force(|speed, direction| laws.rotor_friction_bound(speed, direction, load));
         }
         let mut after = free + mobility * friction_n;
         // What rounding leaves of a speed that friction has just stopped is not a motion.

@@ -14,6 +14,7 @@
 
 mod build;
 
+use crate::robot::Inertial;
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3,
 };
@@ -299,6 +300,21 @@ impl Engine {
             let j = self.jacobian(i);
             for column in 0..j.ncols() {
                 forces[column] += j[(2, column)] * self.mass_kg[i] * self.gravity.z;
+            }
+        }
+        forces
+    }
+
+    /// As [`Engine::gravity_forces`], for bodies with other masses in the places of these.
+    pub fn gravity_forces_of(&self, bodies: &[Option<Inertial>]) -> DVector<f64> {
+        let mut forces = DVector::zeros(self.coordinates());
+        for (i, (inertial, state)) in bodies.iter().zip(&self.states).enumerate() {
+            let Some(inertial) = inertial else { continue };
+            let arm = state.pose * inertial.com - state.com;
+            let j = self.jacobian(i);
+            for column in 0..j.ncols() {
+                let rising = j[(2, column)] + j[(3, column)] * arm.y - j[(4, column)] * arm.x;
+                forces[column] += rising * inertial.mass_kg * self.gravity.z;
             }
         }
         forces

@@ -1,0 +1,90 @@
+//! The model of a campaign, whatever it was recorded on, and what commands ask of it beside predictions.
+
+use crate::diagnosis::addition::Added;
+use crate::failure::OrBadInput;
+use crate::{bench_model, leg_model};
+use sealegs_actuator::effect::{Effect, OwnEffect};
+use sealegs_actuator::spec::SensorSpec;
+use sealegs_model::Model;
+use sealegs_sysid::diagnose::Limits;
+use sealegs_sysid::{Campaign, campaign};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A model that came from a file and can be written to one.
+pub trait CampaignModel: Model {
+    /// What the file says of a channel's sensor.
+    fn sensor(&self, channel: &str) -> Option<SensorSpec>;
+
+    /// What the rig bears, in the unit of the campaign's input.
+    fn limits(&self, campaign: &Campaign) -> Limits;
+
+    /// The text of a model file with the effects and values that were added, which loads again; `folder` is where it
+    /// will lie.
+    ///
+    /// # Errors
+    ///
+    /// If it would not load.
+    fn better(
+        &self,
+        added: &Added,
+        campaign: &Campaign,
+        provenance: &[(&str, String)],
+        folder: &Path,
+    ) -> anyhow::Result<String>;
+}
+
+/// The nominal model of a campaign's bench and actuator or of its scenario, or of the file `model` in its place.
+///
+/// What the model's file says of its sensors becomes part of the campaign.
+///
+/// # Errors
+///
+/// Bad input: an unknown actuator or scenario, a file with an error in it, a bench that needs another kind of
+/// actuator, a run that the model cannot predict.
+pub fn of_campaign(campaign: &mut Campaign, model: Option<&Path>) -> anyhow::Result<Box<dyn CampaignModel>> {
+    with_own_effects(campaign, model, &[])
+}
+
+/// As [`of_campaign`], with the user's own effects in these files beside the catalogue's.
+///
+/// # Errors
+///
+/// As [`of_campaign`], and for an effect file with an error in it.
+pub fn with_own_effects(
+    campaign: &mut Campaign,
+    model: Option<&Path>,
+    own: &[PathBuf],
+) -> anyhow::Result<Box<dyn CampaignModel>> {
+    let own = own
+        .iter()
+        .map(|path| OwnEffect::load(path).map(|effect| Arc::new(effect) as Arc<dyn Effect>).or_bad_input())
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let model: Box<dyn CampaignModel> = match campaign.bench {
+        campaign::Bench::Leg => Box::new(leg_model::of_campaign(campaign, model, own)?),
+        _ => Box::new(bench_model::of_campaign(campaign, model, own)?),
+    };
+    let seen: &dyn Model = model.as_ref();
+    campaign.check_against(seen).or_bad_input()?;
+    Ok(model)
+}
+
+/// The errors of a model without and with what was added, as a model file keeps them.
+#[must_use]
+pub(crate) fn notes_of(
+    added: &Added,
+    campaign: &Campaign,
+    provenance: &[(&str, String)],
+) -> Vec<(String, String)> {
+    let errors = |before: f64, after: f64| format!("{before:.4} before, {after:.4} after, in noise units");
+    let mut notes = vec![
+        ("effects_added".to_owned(), added.effects.join(", ")),
+        ("fitted_to".to_owned(), campaign.name.clone()),
+        ("error_on_fit_runs".to_owned(), errors(added.before.fit.error(), added.after.fit.error())),
+    ];
+    if let (Some(b), Some(a)) = (&added.before_holdout, &added.after_holdout) {
+        notes.push(("error_on_holdout_runs".to_owned(), errors(b.rms, a.rms)));
+    }
+    notes.extend(provenance.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
+    notes
+}

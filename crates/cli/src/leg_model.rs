@@ -1,0 +1,103 @@
+//! The model of a campaign that was recorded on a leg: its scenario, or another scenario file, and its runs' own.
+
+use crate::campaign_model::{CampaignModel, notes_of};
+use crate::diagnosis::addition::Added;
+use crate::failure::{OrBadInput, bad_input};
+use sealegs_actuator::effect::Effect;
+use sealegs_actuator::spec::SensorSpec;
+use sealegs_leg::model::LegModel;
+use sealegs_leg::scenario::Scenario;
+use sealegs_sysid::Campaign;
+use sealegs_sysid::diagnose::Limits;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The leg of a campaign's scenario, or of the scenario file `model`, with the user's own effects beside the
+/// catalogues'. Runs with a scenario of their own keep it.
+///
+/// What the actuators' files and the scenario say of sensors becomes part of the campaign.
+///
+/// # Errors
+///
+/// Bad input: an unknown scenario, a file with an error in it, an input column that commands nothing.
+pub fn of_campaign(
+    campaign: &mut Campaign,
+    model: Option<&Path>,
+    own: Vec<Arc<dyn Effect>>,
+) -> anyhow::Result<LegModel> {
+    let file = campaign.file.display().to_string();
+    let nominal = beside(campaign, campaign.scenario.as_deref().unwrap_or_default())
+        .map_err(|e| bad_input(format!("{file}: scenario: {e}")))?;
+    let scenario = match model {
+        Some(path) => Scenario::load(&path.to_string_lossy(), &[]).or_bad_input()?,
+        None => nominal.clone(),
+    };
+    let mut runs: Vec<(String, Scenario)> = Vec::new();
+    for run in &campaign.runs {
+        let Some(name) = run.scenario.as_deref() else { continue };
+        let record = &run.record.name;
+        if runs.iter().all(|(known, _)| known != record) {
+            let scenario = beside(campaign, name)
+                .map_err(|e| bad_input(format!("{file}: scenario of {record}: {e}")))?;
+            runs.push((record.clone(), scenario));
+        }
+    }
+    let model = LegModel::new(scenario, &nominal, runs, own).or_bad_input()?;
+    for run in &campaign.runs {
+        for input in &run.record.inputs {
+            if let Some(reason) = model.refuses_input(&run.record.name, &input.channel) {
+                let file = run.path.display();
+                return Err(bad_input(format!("{file}, line 1, column '{}': {reason}", input.channel)));
+            }
+        }
+    }
+    for (channel, sensor) in model.sensors() {
+        campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
+    }
+    Ok(model)
+}
+
+/// A scenario as a campaign names it: a file beside it, or a preset.
+fn beside(campaign: &Campaign, name: &str) -> Result<Scenario, sealegs_leg::LegError> {
+    let path = campaign.folder().join(name);
+    if path.is_file() { Scenario::load(&path.to_string_lossy(), &[]) } else { Scenario::load(name, &[]) }
+}
+
+impl CampaignModel for LegModel {
+    fn sensor(&self, channel: &str) -> Option<SensorSpec> {
+        self.scenario().sensors.get(channel).copied()
+    }
+
+    /// A leg's experiments are scenarios: there is no input to limit.
+    fn limits(&self, _campaign: &Campaign) -> Limits {
+        Limits::default()
+    }
+
+    fn better(
+        &self,
+        added: &Added,
+        campaign: &Campaign,
+        provenance: &[(&str, String)],
+        folder: &Path,
+    ) -> anyhow::Result<String> {
+        let fit = &added.after.fit;
+        let mut with_them = self.clone();
+        for effect in &added.effects {
+            with_them = with_them.including(effect, &added.seen)?;
+        }
+        let stds: Vec<f64> = fit.parameters.iter().map(|p| p.std).collect();
+        let mut scenario = with_them.fitted_scenario(&fit.values, &stds);
+        for sensor in fit.sensors() {
+            let said = scenario.sensors.entry(sensor.channel.clone()).or_default();
+            said.gain = Some(sensor.gain);
+            said.bias = Some(sensor.bias);
+            said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
+        }
+        scenario.provenance.extend(notes_of(added, campaign, provenance));
+        scenario.move_to(folder)?;
+        // Whoever gets the file must be able to load it.
+        let text = toml::to_string_pretty(&scenario)?;
+        Scenario::from_toml(&text, "the model file to be written", &[])?;
+        Ok(text)
+    }
+}

@@ -1,0 +1,110 @@
+//! The actuators' catalogue at the actuators of a leg, and their sensors' effects at every place that is measured.
+
+use super::LegSetting;
+use crate::simulation::{actuator_coefficients, actuator_spec};
+use sealegs_actuator::effect::{ActuatorKind, Effect, Scope, Setting, ids};
+use sealegs_actuator::plant::Plant;
+use sealegs_actuator::{ActuatorSpec, Coefficients, Kind};
+use sealegs_model::{EffectCard, Excitation, Parameter, SignalRange, internal};
+
+/// Effects of the actuators' catalogue that a leg's coupling cannot carry, and why.
+pub const NOT_ON_A_LEG: [(&str, &str); 3] = [
+    ("series-compliance", "the coupling has no coordinate between screw and link 2"),
+    ("wobbling-mass", "the engine would need a further body; a link's mass and its centre are 'link-mass'"),
+    ("output-friction", "a leg has it at its joints, not along an actuator"),
+];
+
+/// Most starting values of one parameter, and only one parameter of an effect has them: a simulation of a leg is
+/// dear.
+const MOST_STARTS: usize = 3;
+
+/// The seen signals of one place, under the names that they have on a bench.
+fn seen_at(place: &str, seen: &Excitation) -> Excitation {
+    let own =
+        |name: &str| name.strip_prefix(place).and_then(|rest| rest.strip_prefix('.')).map(str::to_owned);
+    let mut ranges: Vec<SignalRange> = seen
+        .ranges
+        .iter()
+        .filter_map(|r| own(&r.name).map(|name| SignalRange { name, ..r.clone() }))
+        .collect();
+    // Where no current flows the spring's force is the measure of what a friction would be felt beside.
+    let peak = |name: &str| ranges.iter().find(|r| r.name == name).map_or(0.0, SignalRange::peak);
+    let spring = peak(super::placed::SPRING_FORCE);
+    if peak(internal::MOTOR_FORCE) < 0.1 * spring {
+        ranges.retain(|r| r.name != internal::MOTOR_FORCE);
+        let name = internal::MOTOR_FORCE.to_owned();
+        ranges.push(SignalRange { name, min: -spring, max: spring, rms: spring });
+    }
+    Excitation {
+        measured: seen.measured.iter().filter_map(|c| own(c)).collect(),
+        ranges,
+        sample_period_s: seen.sample_period_s,
+    }
+}
+
+/// What effects choose their guesses by at a place; `None` for a place without an actuator, which has sensors only.
+pub(super) fn setting(place: &str, leg: &LegSetting) -> Setting {
+    let found = actuator(place, leg);
+    let (kind, c, travel) = match &found {
+        Some((spec, c)) => (spec.kind, *c, spec.ratio()),
+        None => return Setting { seen: seen_at(place, leg.seen), ..Setting::unknown() },
+    };
+    Setting {
+        kind: if kind == Kind::Rotary { ActuatorKind::Rotary } else { ActuatorKind::Linear },
+        stiffness: c.stiffness,
+        total_mass: c.total_mass(),
+        travel_per_rad: travel,
+        force_per_command: c.force_constant,
+        output_arm_m: None,
+        output_moves: false,
+        seen: seen_at(place, leg.seen),
+    }
+}
+
+/// The actuator at a place as the scenario has it.
+fn actuator(place: &str, leg: &LegSetting) -> Option<(ActuatorSpec, Coefficients)> {
+    let own = leg.robot.actuators[leg.robot.actuator_index(place)?].spec.as_ref()?;
+    let spec = actuator_spec(leg.scenario, place, own).ok()?;
+    let c = actuator_coefficients(leg.scenario, place, &spec).ok()?;
+    Some((spec, c))
+}
+
+/// The ids, without the place, under which an effect of the actuators' catalogue can be at a place.
+pub(super) fn ids_at(effect: &dyn Effect, place: &str, leg: &LegSetting, setting: &Setting) -> Vec<String> {
+    let is_actuator = leg.robot.actuator_index(place).is_some();
+    if (effect.scope() == Scope::One && !is_actuator) || !effect.applies(setting) {
+        return Vec::new();
+    }
+    let mut ids = ids(effect, setting);
+    ids.retain(|id| NOT_ON_A_LEG.iter().all(|(not, _)| not != id));
+    ids
+}
+
+/// The card of an effect of the actuators' catalogue, with few starting values.
+pub(super) fn card(effect: &dyn Effect, setting: &Setting) -> EffectCard {
+    let card = effect.card(setting);
+    EffectCard { parameters: few_starts(card.parameters), ..card }
+}
+
+/// Keeps starting values of the parameter that has most of them, spread evenly over what there is.
+fn few_starts(mut parameters: Vec<Parameter>) -> Vec<Parameter> {
+    let most = (0..parameters.len()).rev().max_by_key(|&i| parameters[i].starts.len());
+    for (i, p) in parameters.iter_mut().enumerate() {
+        if Some(i) != most {
+            p.starts.clear();
+        } else if p.starts.len() > MOST_STARTS {
+            let step = p.starts.len() as f64 / MOST_STARTS as f64;
+            p.starts = (0..MOST_STARTS).map(|k| p.starts[((k as f64 + 0.5) * step) as usize]).collect();
+        }
+    }
+    parameters
+}
+
+/// An actuator on its own into which effects are put; their laws are then the leg's.
+pub(crate) fn plant(c: Option<(&Coefficients, f64)>) -> Plant {
+    let Some((c, travel_per_rad)) = c else { return Plant::new(1.0, 0.0, 0.0, 1.0) };
+    let mut plant = Plant::new(c.reflected_inertia, c.sprung_mass, c.damping, c.stiffness);
+    plant.travel_per_rad = travel_per_rad;
+    plant.force_per_command = c.force_constant;
+    plant
+}

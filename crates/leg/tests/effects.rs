@@ -1,0 +1,217 @@
+//! Every effect at every place of the legs: ids, cards, neutral values, energy; and the leg as a model.
+
+use sealegs_leg::effect::{CATALOGUE, NOT_ON_A_LEG};
+use sealegs_leg::model::LegModel;
+use sealegs_leg::robot::Robot;
+use sealegs_leg::scenario::Scenario;
+use sealegs_leg::simulation::{Observer, Sample};
+use sealegs_leg::{LegError, channels, run};
+use sealegs_model::{Excitation, InputHold, Model, Prediction, Record, Signal};
+use std::collections::BTreeSet;
+
+/// A drop that has landed after 60 ms.
+const DROP: &str = "robot = \"thor-leg\"\nduration_s = 0.12\nstep_s = 2e-4\n[base]\nkind = \"rail\"\n\
+    carriage_mass_kg = 20.0\n[start]\ndrop_height_m = 0.015\n\
+    posture_rad = { hip_pitch = -0.45, knee = 0.90, ankle_pitch = -0.45 }\n[ground]\n";
+
+fn scenario(more: &str) -> Scenario {
+    Scenario::from_toml(&format!("{DROP}{more}"), "drop.toml", &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn model(scenario: &Scenario) -> LegModel {
+    LegModel::new(scenario.clone(), scenario, Vec::new(), Vec::new()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn record(seconds: f64, inputs: Vec<Signal>) -> Record {
+    let time_s = (0..=(seconds * 1e3).round() as usize).map(|i| i as f64 * 1e-3).collect();
+    Record { name: "run.csv".to_owned(), time_s, hold: InputHold::ZeroOrder, inputs, outputs: Vec::new() }
+}
+
+fn names() -> Vec<String> {
+    ["knee.angle_rad", "ankle_roll.angle_rad", "knee.force_1_n", "ankle_outer.force_2_n", "knee.current_a"]
+        .iter()
+        .chain(&["hip_pitch.rotor_angle_rad", "base.height_m", "foot.normal_force_n"])
+        .map(|name| (*name).to_owned())
+        .collect()
+}
+
+fn values(model: &dyn Model) -> Vec<f64> {
+    model.parameters().iter().map(|p| p.value).collect()
+}
+
+fn predict(model: &dyn Model, values: &[f64], seconds: f64) -> Prediction {
+    model.predict(values, &record(seconds, Vec::new()), &names()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn seen() -> Excitation {
+    Excitation { measured: names(), ranges: Vec::new(), sample_period_s: 1e-3 }
+}
+
+#[test]
+fn every_effect_has_a_place_a_full_card_and_few_starts() {
+    let leg = model(&scenario(""));
+    let cards = leg.effects(&seen());
+    let mut ids = BTreeSet::new();
+    for card in &cards {
+        assert!(ids.insert(card.id.clone()), "{} twice", card.id);
+        assert!(
+            card.id.split_once('/').is_some_and(|(place, effect)| !place.is_empty() && !effect.is_empty())
+        );
+        let texts = [&card.summary, &card.acts_on, &card.equation, &card.validity, &card.reference];
+        assert!(texts.iter().all(|t| t.len() > 2), "{card:?}");
+        assert!(card.parameters.iter().any(|p| p.neutral.is_some()), "{}", card.id);
+        let starts: usize = card.parameters.iter().map(|p| 1 + p.starts.len()).product();
+        assert!(starts <= 8, "{}: {starts} starts", card.id);
+        for p in &card.parameters {
+            let within = p.min <= p.value && p.value <= p.max && p.min < p.max;
+            assert!(within && p.typical > 0.0 && p.typical.is_finite(), "{} {p:?}", card.id);
+            assert!(p.starts.iter().all(|s| (p.min..=p.max).contains(s)), "{} {p:?}", card.id);
+        }
+    }
+    for id in [
+        "knee/coulomb-friction",
+        "ankle_outer/backlash",
+        "hip_pitch/transport-delay",
+        "ankle_pitch/output-friction",
+        "knee/joint-stop",
+        "foot/contact-compliance",
+        "foot/ground-friction",
+        "shank/link-mass",
+        "knee/spring-setting",
+        "knee/sensor-lag",
+        "foot/sensor-delay",
+    ] {
+        assert!(ids.contains(id), "{id} is missing: {ids:?}");
+    }
+    for own in CATALOGUE {
+        assert!(ids.iter().any(|id| id.ends_with(&format!("/{}", own.id()))), "{}", own.id());
+    }
+    // What is not offered is in the actuators' catalogue: the list is not stale.
+    let known: Vec<String> = sealegs_actuator::effect::CATALOGUE
+        .iter()
+        .map(|e| e.card(&sealegs_actuator::effect::Setting::unknown()).id)
+        .collect();
+    for (not, why) in NOT_ON_A_LEG {
+        assert!(known.iter().any(|id| id == not) && !why.is_empty());
+        assert!(!ids.contains(&format!("hip_front/{not}")));
+    }
+}
+
+#[test]
+fn neutral_values_change_no_bit() {
+    let leg = model(&scenario(""));
+    let truth = predict(&leg, &values(&leg), 0.08).outputs;
+    for card in leg.effects(&seen()) {
+        let with = leg.with_effect(&card.id, &seen()).unwrap_or_else(|e| panic!("{e}"));
+        let mut all = values(&*with);
+        let first = all.len() - card.parameters.len();
+        for (value, p) in all[first..].iter_mut().zip(&card.parameters) {
+            *value = p.neutral.unwrap_or(p.value);
+        }
+        assert!(predict(&*with, &all, 0.08).outputs == truth, "{}", card.id);
+    }
+}
+
+/// Kinetic and potential energy against the energy at the start.
+#[derive(Default)]
+struct Energy {
+    worst_gain_j: f64,
+    turnover_j: f64,
+}
+
+impl Observer for Energy {
+    fn sample(&mut self, s: &Sample) -> Result<(), LegError> {
+        // What springs hold is not negative, whatever their law.
+        let gain = s.energy.kinetic_j + s.energy.potential_j - s.energy.initial_j;
+        self.worst_gain_j = self.worst_gain_j.max(gain);
+        self.turnover_j = self.turnover_j.max(s.energy.turnover_j);
+        Ok(())
+    }
+}
+
+#[test]
+fn energy_no_passive_effect_gives_any() {
+    let leg = model(&scenario(""));
+    for card in leg.effects(&seen()).into_iter().filter(|c| c.passive) {
+        let with = leg.including(&card.id, &seen()).unwrap_or_else(|e| panic!("{e}"));
+        let scenario = with.fitted_scenario(&values(&with), &[]);
+        let mut energy = Energy::default();
+        run(&scenario, &mut energy).unwrap_or_else(|e| panic!("{}: {e}", card.id));
+        // The placement of the sprung masses is off by this much, at this step, without any effect.
+        assert!(energy.worst_gain_j < 2e-3 * energy.turnover_j, "{}: {}", card.id, energy.worst_gain_j);
+        assert!(energy.turnover_j > 1.0, "{}: {}", card.id, energy.turnover_j);
+    }
+}
+
+#[test]
+fn a_prediction_is_the_run_itself() {
+    let scenario = scenario("[[effect]]\nid = \"knee/coulomb-friction\"\nparameters = { force_n = 80.0 }\n");
+    let leg = model(&scenario);
+    assert_eq!(leg.included(), ["knee/coulomb-friction"]);
+    let predicted = predict(&leg, &values(&leg), scenario.duration_s);
+    let robot = || Robot::load("thor-leg", None).expect("embedded");
+    let (run, _) = channels(&scenario, robot()).expect("runs");
+    for signal in &predicted.outputs {
+        let values = run.get(&signal.channel).expect("a channel");
+        let off = signal.values.iter().zip(values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // Time stamps in decimal digits are off the step by a rounding, and values are interpolated there.
+        assert!(off < 1e-7, "{}: {off:e}", signal.channel);
+    }
+    let without = Scenario { effects: Vec::new(), ..scenario.clone() };
+    let (plain, _) = channels(&without, robot()).expect("runs");
+    assert!(plain.get("knee.force_1_n") != run.get("knee.force_1_n"));
+}
+
+#[test]
+fn recorded_currents_command_as_a_profile_does() {
+    let profile = "[current.knee]\nshape = \"sine\"\namplitude = 3.0\nfrequency_hz = 12.0\nphase_rad = 0.0\n";
+    let commanded = model(&scenario(profile));
+    let at = record(0.08, Vec::new());
+    let wave = at.time_s.iter().map(|t| 3.0 * (std::f64::consts::TAU * 12.0 * t).sin()).collect();
+    let input = Signal { channel: "knee.current_a".to_owned(), values: wave };
+    let names: Vec<String> = names().into_iter().filter(|n| n != "knee.current_a").collect();
+    let free = model(&scenario(""));
+    let given = free.predict(&values(&free), &record(0.08, vec![input]), &names).expect("runs");
+    let wanted = commanded.predict(&values(&commanded), &at, &names).expect("runs");
+    for (a, b) in given.outputs.iter().zip(&wanted.outputs) {
+        let peak = b.values.iter().fold(1e-6, |m: f64, v| m.max(v.abs()));
+        let off = a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // A record's time stamps are decimal digits: a command may come into force a rounding early.
+        assert!(off < 1e-6 * peak, "{}: {off:e} of {peak}", a.channel);
+    }
+    assert!(free.refuses_input("run.csv", "ankle.current_a").is_some_and(|m| m.contains("ankle_outer")));
+    assert!(free.refuses_input("run.csv", "knee.target_rad").is_none());
+}
+
+#[test]
+fn runs_have_scenarios_of_their_own_and_share_the_parts() {
+    let low = scenario("");
+    let stiff = scenario("[actuators]\nspring = \"stiff\"\n");
+    let leg = LegModel::new(low.clone(), &low, vec![("run.csv".to_owned(), stiff.clone())], Vec::new())
+        .unwrap_or_else(|e| panic!("{e}"));
+    let mut all = values(&leg);
+    let knee = leg.parameters().iter().position(|p| p.name == "knee/stiffness").expect("a parameter");
+    all[knee] *= 1.1;
+    let as_own = predict(&leg, &all, 0.06);
+    let of_stiff = model(&stiff);
+    let mut own = values(&of_stiff);
+    own[knee] *= 1.1;
+    for (a, b) in as_own.outputs.iter().zip(&predict(&of_stiff, &own, 0.06).outputs) {
+        let off = a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-6, "{}: {off:e}", a.channel);
+    }
+}
+
+#[test]
+fn faults_name_the_effect_and_suggest() {
+    let message = |text: &str| match LegModel::new(scenario(text), &scenario(""), Vec::new(), Vec::new()) {
+        Err(e) => e.to_string(),
+        Ok(_) => panic!("{text} is bad"),
+    };
+    let unknown = message("[[effect]]\nid = \"knee/coulomb-fricton\"\n");
+    assert!(unknown.contains("did you mean 'knee/coulomb-friction'"), "{unknown}");
+    let parameter = message("[[effect]]\nid = \"knee/backlash\"\nparameters = { gap = 1e-4 }\n");
+    assert!(parameter.contains("gap_m"), "{parameter}");
+    let twice = "[[effect]]\nid = \"knee/backlash\"\n".repeat(2);
+    assert!(message(&twice).contains("twice"));
+}
