@@ -15,8 +15,9 @@ impl Effect for CurrentSaturation {
         let unit = if setting.force_per_command == 1.0 { ("limit", "") } else { ("limit_a", "A") };
         let parameters = vec![with_neutral(
             with_starts(
-                magnitude(unit.0, unit.1, 0.8 * peak, 0.02 * peak, 1.5 * peak),
-                [0.6 * peak, 0.4 * peak],
+                magnitude(unit.0, unit.1, 0.95 * peak, 0.02 * peak, 1.5 * peak),
+                // Often the limit is passed by a few samples only.
+                [0.99, 0.9, 0.8, 0.6, 0.4].map(|share| share * peak),
             ),
             f64::INFINITY,
         )];

@@ -23,7 +23,12 @@ impl Effect for VoltageSaturation {
             ),
             with_starts(
                 magnitude("resistance_ohm", "ohm", resistance, 0.02 * resistance, 50.0 * resistance),
-                [0.3 * resistance, 3.0 * resistance],
+                // The current at standstill, bus over resistance, from a little above the greatest command down,
+                // for each start of the bus.
+                [1.0, 0.5, 0.25]
+                    .into_iter()
+                    .flat_map(|bus| [0.8, 0.95, 1.1, 1.3, 1.6, 2.2].map(|over| bus * over))
+                    .map(|ratio| 1.5 * ratio * resistance),
             ),
         ];
         EffectCard {

@@ -137,11 +137,9 @@ fn screen_starts(
             let both_ways =
                 cards[*c].parameters.iter().any(|p| (is_amplitude(p) && p.min < 0.0) || p.name == PHASE);
             let least = if both_ways { -FARTHEST } else { 0.0 };
-            let amplitude = if cards[*c].parameters.iter().any(is_amplitude) {
-                (-slope / stiffness).clamp(least, FARTHEST)
-            } else {
-                1.0
-            };
+            // What cannot be scaled may still be too strong here, and right when it is weaker.
+            let most = if cards[*c].parameters.iter().any(is_amplitude) { FARTHEST } else { 1.0 };
+            let amplitude = (-slope / stiffness).clamp(least, most);
             let drop = -(slope * amplitude + 0.5 * stiffness * amplitude * amplitude);
             found[*c].push((drop, scaled(&cards[*c].parameters, start, amplitude)));
         }
