@@ -178,7 +178,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         std::fs::write(place.join(file), text)?;
     }
     let mut campaign = Campaign::read(&place)?;
-    let model = bench_model::of_campaign(&mut campaign, None)?;
+    let model = bench_model::of_campaign(&mut campaign, None, Vec::new())?;
     let started = Instant::now();
     let found = diagnose::diagnose(&campaign, &model, &diagnose::Options::default(), &|_| ())?;
     outcome.seconds = started.elapsed().as_secs_f64();

@@ -75,6 +75,7 @@ pub fn campaign_of(made: &Made) -> anyhow::Result<(Campaign, BenchModel)> {
     });
     let run = |made: &sealegs_reference::campaign::MadeRun| Run {
         role: if made.holdout { Role::Holdout } else { Role::Fit },
+        scenario: None,
         scored: 0..made.record.len(),
         unknown: Vec::new(),
         clock: Clock::of(&made.record.time_s, None),
@@ -97,7 +98,7 @@ pub fn campaign_of(made: &Made) -> anyhow::Result<(Campaign, BenchModel)> {
         repeats: Vec::new(),
         notes: Vec::new(),
     };
-    let model = bench_model::of_campaign(&mut campaign, None)?;
+    let model = bench_model::of_campaign(&mut campaign, None, Vec::new())?;
     Ok((campaign, model))
 }
 
