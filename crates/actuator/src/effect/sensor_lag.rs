@@ -13,7 +13,10 @@ impl Effect for SensorLag {
     fn card(&self, setting: &Setting) -> EffectCard {
         let top = setting.nyquist_hz();
         let parameters = vec![with_neutral(
-            with_starts(magnitude("cutoff_hz", "Hz", 0.2 * top, 1e-3 * top, 40.0 * top), [0.04 * top, 0.8 * top, 3.0 * top]),
+            with_starts(
+                magnitude("cutoff_hz", "Hz", 0.2 * top, 1e-3 * top, 40.0 * top),
+                [0.04 * top, 0.8 * top, 3.0 * top],
+            ),
             f64::INFINITY,
         )];
         EffectCard {

@@ -68,6 +68,31 @@ impl Default for Options {
     }
 }
 
+/// Free parameters beyond which every fit is dear, as each of its steps simulates once a parameter: a whole leg's.
+const MANY_PARAMETERS: usize = 15;
+
+impl Options {
+    /// What suits a model: of one with many parameters and places only the most promising sets are fitted.
+    #[must_use]
+    pub fn of(model: &dyn Model) -> Self {
+        let usual = Self::default();
+        if model.parameters().iter().filter(|p| !p.fixed).count() <= MANY_PARAMETERS {
+            return usual;
+        }
+        Self {
+            starts: 6,
+            starts_later: 3,
+            starts_fitted: 1,
+            shortlist: 5,
+            shortlist_later: 3,
+            finishers: 2,
+            beam_first: 1,
+            beam: 1,
+            ..usual
+        }
+    }
+}
+
 /// What a diagnosis is doing, for a progress bar.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Progress {
