@@ -5,7 +5,7 @@ use crate::LegError;
 use crate::channel::Channel;
 use crate::effect::{Placed, SPRING_FORCE};
 use crate::robot::Robot;
-use crate::scenario::Scenario;
+use crate::scenario::{MOST_STEPS, Scenario};
 use crate::simulation::{EventLevel, Simulation};
 use sealegs_actuator::plant::{Grid, mean_per_step, sample};
 use sealegs_model::{ModelError, Prediction, Record, Signal, internal};
@@ -68,6 +68,10 @@ pub(super) fn predict(
     let mut simulation = Simulation::with_effects(scenario, case.robot.clone(), effects).map_err(setup)?;
     let step_s = scenario.step_s;
     let end_s = record.time_s.last().copied().unwrap_or(0.0);
+    if end_s / step_s > MOST_STEPS {
+        let reason = format!("{}: ends at {end_s:e} s, more than {MOST_STEPS:e} steps", record.name);
+        return Err(ModelError::Setup { reason });
+    }
     let grid = Grid { start_s: 0.0, step_s, steps: (end_s / step_s - 1e-6).ceil().max(1.0) as usize };
     give_inputs(&mut simulation, case, record, &grid)?;
 

@@ -7,10 +7,10 @@ use sealegs_actuator::ActuatorError;
 use sealegs_actuator::text::parse_toml;
 use std::path::Path;
 
-/// Name and text of the scenarios that come with the program.
 /// Most steps of a run: hours of computing. More is a slip of the pen, in the duration or in the step.
-const MOST_STEPS: f64 = 1e8;
+pub(crate) const MOST_STEPS: f64 = 1e8;
 
+/// Name and text of the scenarios that come with the program.
 const PRESETS: [(&str, &str); 5] = [
     ("thor-drop", include_str!("../../../../assets/scenarios/thor-drop.toml")),
     ("saffir-drop", include_str!("../../../../assets/scenarios/saffir-drop.toml")),

@@ -8,6 +8,7 @@ mod controller;
 mod file;
 
 pub use controller::{ControllerKind, ControllerSpec, CurrentFile, JointGains, Motion};
+pub(crate) use file::MOST_STEPS;
 pub use file::{preset_names, preset_text};
 
 use crate::dynamics::contact::Ground;

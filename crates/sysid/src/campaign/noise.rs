@@ -146,7 +146,9 @@ fn alike(a: &Run, b: &Run) -> bool {
     let (ra, rb) = (&a.record, &b.record);
     let (Some(ia), Some(ib)) = (ra.inputs.first(), rb.inputs.first()) else { return false };
     let (sa, sb) = (stats::rms(&ia.values), stats::rms(&ib.values));
-    if ia.channel != ib.channel
+    // A leg from another height is another experiment, whatever its input.
+    if a.scenario != b.scenario
+        || ia.channel != ib.channel
         || sa == 0.0
         || (sa / sb - 1.0).abs() > 0.05
         || (a.clock.duration_s / b.clock.duration_s - 1.0).abs() > 0.05

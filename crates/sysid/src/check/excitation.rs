@@ -51,7 +51,8 @@ pub fn of_run(record: &Record, scored: Range<usize>, prediction: &Prediction) ->
         input: input.map_or_else(String::new, |s| s.channel.clone()),
         input_peak: peak(part),
         input_rms: stats::rms(part),
-        band_hz: band(&record.time_s[scored.clone()], part, record.hold == InputHold::ZeroOrder),
+        band_hz: input
+            .and_then(|_| band(&record.time_s[scored.clone()], part, record.hold == InputHold::ZeroOrder)),
         speed_peak: top,
         standing_share: speed
             .zip(top)

@@ -13,11 +13,9 @@
 //! those velocities, read from the engine's own body Jacobians because the bodies' velocities lag.
 
 mod build;
+mod weight;
 
-use crate::robot::Inertial;
-use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3,
-};
+use nalgebra::{DVector, Isometry3, Matrix3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use rapier3d_f64::math::{Pose, Rotation, Vector};
 use rapier3d_f64::prelude::*;
 
@@ -271,53 +269,6 @@ impl Engine {
     /// The engine's Jacobian of a body: six rows (velocity of the centre of mass, angular velocity).
     pub fn jacobian(&self, body: usize) -> &rapier3d_f64::math::Jacobian<f64> {
         self.multibody().body_jacobian(self.link_ids[body])
-    }
-
-    /// The mass matrix of the bodies at the present poses, in the engine's order (without armature): for
-    /// energies at the recorded samples only.
-    pub fn mass_matrix(&self) -> DMatrix<f64> {
-        let n = self.coordinates();
-        let mut mass = DMatrix::zeros(n, n);
-        for (i, state) in self.states.iter().enumerate() {
-            let j = self.jacobian(i);
-            let r = state.pose.rotation.to_rotation_matrix();
-            let turned = r * self.inertia[i] * r.transpose();
-            let (linear, angular) = (j.fixed_rows::<3>(0), j.fixed_rows::<3>(3));
-            mass += linear.transpose() * linear * self.mass_kg[i] + angular.transpose() * turned * angular;
-        }
-        mass
-    }
-
-    /// Potential energy of the bodies, zero at world height 0, J.
-    pub fn potential_energy(&self) -> f64 {
-        self.states.iter().zip(&self.mass_kg).map(|(s, m)| -m * self.gravity.z * s.com.z).sum()
-    }
-
-    /// Generalised force of gravity at the present poses, in the engine's order.
-    pub fn gravity_forces(&self) -> DVector<f64> {
-        let mut forces = DVector::zeros(self.coordinates());
-        for i in 0..self.states.len() {
-            let j = self.jacobian(i);
-            for column in 0..j.ncols() {
-                forces[column] += j[(2, column)] * self.mass_kg[i] * self.gravity.z;
-            }
-        }
-        forces
-    }
-
-    /// As [`Engine::gravity_forces`], for bodies with other masses in the places of these.
-    pub fn gravity_forces_of(&self, bodies: &[Option<Inertial>]) -> DVector<f64> {
-        let mut forces = DVector::zeros(self.coordinates());
-        for (i, (inertial, state)) in bodies.iter().zip(&self.states).enumerate() {
-            let Some(inertial) = inertial else { continue };
-            let arm = state.pose * inertial.com - state.com;
-            let j = self.jacobian(i);
-            for column in 0..j.ncols() {
-                let rising = j[(2, column)] + j[(3, column)] * arm.y - j[(4, column)] * arm.x;
-                forces[column] += rising * inertial.mass_kg * self.gravity.z;
-            }
-        }
-        forces
     }
 
     /// The gradient with respect to the generalised coordinates of a length that a unit force along
