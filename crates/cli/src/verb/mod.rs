@@ -13,12 +13,15 @@ mod mystery;
 mod reproduce;
 mod reveal;
 mod run;
+mod tour;
 
 use clap::Subcommand;
 
 /// What the program can do.
 #[derive(Subcommand)]
 pub enum Verb {
+    /// Drop a leg, compare it with a recording, find what the model lacks, add it: the whole loop in one go.
+    Tour(tour::Tour),
     /// Run a scenario: a drop, a swing, a leg of your own.
     Run(run::Run),
     /// Drop a leg from several heights with several springs; exit status 3 when a stated limit is passed.
@@ -52,6 +55,7 @@ pub enum Verb {
 /// Whatever the verb could not do; bad input is marked as such (see `failure`).
 pub fn run(verb: Verb) -> anyhow::Result<u8> {
     match verb {
+        Verb::Tour(arguments) => tour::run(&arguments),
         Verb::Run(arguments) => run::run(&arguments),
         Verb::Impact(arguments) => impact::run(&arguments),
         Verb::List(arguments) => list::run(&arguments),
