@@ -73,6 +73,11 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let provenance = Provenance::of_campaign(&campaign, model.name(), &others)?;
     let next = match &experiment {
         Some(e) => e.sentence.clone(),
+        None if campaign.bench == sealegs_sysid::campaign::Bench::Leg => {
+            "Experiments of a leg are scenarios, and are not planned yet: another height or posture, or a swing that \
+             drives the named joint alone, is the place to look."
+                .to_owned()
+        }
         None => "There is nothing to tell apart, and so no experiment to propose.".to_owned(),
     };
     let outcome = Outcome::new(&campaign, &diagnosis, next, provenance);

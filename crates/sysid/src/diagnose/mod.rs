@@ -41,6 +41,8 @@ pub struct Options {
     pub shortlist: usize,
     /// Sets that are fitted at every further size.
     pub shortlist_later: usize,
+    /// Steps that every fit of a shortlist gets before the leaders go on.
+    pub race_steps: usize,
     /// Fits of a shortlist that go on to the end.
     pub finishers: usize,
     /// Single effects that pairs grow from.
@@ -60,6 +62,7 @@ impl Default for Options {
             starts_fitted: 2,
             shortlist: 12,
             shortlist_later: 8,
+            race_steps: 4,
             finishers: 5,
             beam_first: 4,
             beam: 2,
@@ -85,6 +88,7 @@ impl Options {
             starts_fitted: 1,
             shortlist: 5,
             shortlist_later: 3,
+            race_steps: 2,
             finishers: 2,
             beam_first: 1,
             beam: 1,

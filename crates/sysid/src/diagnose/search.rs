@@ -43,18 +43,18 @@ pub(super) struct Search<'a> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
-/// Steps that every fit of a shortlist gets before the leaders go on.
-const RACE_STEPS: usize = 4;
-
 /// Most steps of a fit that goes on.
 const FINAL_STEPS: usize = 20;
 
 /// Costs that differ by less are equal: a likelihood ratio of e^10 is decisive.
 const EQUAL_COST: f64 = 10.0;
 
-/// Error on left-out stretches as a ratio of the floor below which nothing is looked for: a stated noise is
-/// rounded, an encoder's quantum is not quite noise, and the search's steps are coarse.
+/// Error as a ratio of the floor below which nothing is looked for: a stated noise is rounded, an encoder's quantum
+/// is not quite noise, and the search's steps are coarse.
 const AT_FLOOR: f64 = 1.01;
+
+/// The same on what is left out, where every parameter costs a little.
+const NEAR_FLOOR: f64 = 1.05;
 
 /// A set to be fitted, and where from.
 struct Plan {
@@ -123,7 +123,8 @@ impl Search<'_> {
 
     /// Whether nothing is left to explain.
     fn at_floor(&self, index: usize) -> bool {
-        self.tried[index].validation.mean_square().sqrt() <= AT_FLOOR * self.floor
+        let left_out = self.tried[index].validation.mean_square().sqrt();
+        self.tried[index].fit.error() <= AT_FLOOR * self.floor && left_out <= NEAR_FLOOR * self.floor
     }
 
     fn screen_beside(&mut self, from: usize, size: usize) -> Vec<Promise> {
@@ -183,15 +184,17 @@ impl Search<'_> {
             }
         }
         (self.progress)(Progress::Fitting { sets: sets.clone() });
-        let (data, base, seen, most_starts) = (self.data, self.base, self.seen, self.options.starts_fitted);
+        let (data, base, seen, options) = (self.data, self.base, self.seen, self.options);
         let raced: Vec<Option<Candidate>> = sets
             .par_iter()
             .map(|set| {
                 plans
                     .iter()
                     .filter(|p| p.effects == *set)
-                    .take(most_starts)
-                    .filter_map(|p| Candidate::fitted(data, base, set, seen, &p.known, RACE_STEPS).ok())
+                    .take(options.starts_fitted)
+                    .filter_map(|p| {
+                        Candidate::fitted(data, base, set, seen, &p.known, options.race_steps).ok()
+                    })
                     .reduce(|best, other| if other.fit.cost < best.fit.cost { other } else { best })
             })
             .collect();
