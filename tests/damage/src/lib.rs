@@ -56,7 +56,7 @@ pub fn damaged(good: &[u8]) -> impl Strategy<Value = Vec<u8>> + use<> {
     let good = good.to_vec();
     prop_oneof![
         12 => prop::collection::vec(change(), 1..4).prop_map(move |changes| {
-            changes.into_iter().fold(good.clone(), |bytes, one| apply(bytes, one))
+            changes.into_iter().fold(good.clone(), apply)
         }),
         1 => prop::collection::vec(any::<u8>(), 0..300),
     ]
@@ -72,7 +72,7 @@ pub fn damaged_bytes(good: &[u8]) -> impl Strategy<Value = Vec<u8>> + use<> {
     ];
     prop_oneof![
         12 => prop::collection::vec(one, 1..8).prop_map(move |changes| {
-            changes.into_iter().fold(good.clone(), |bytes, one| apply(bytes, one))
+            changes.into_iter().fold(good.clone(), apply)
         }),
         1 => prop::collection::vec(any::<u8>(), 0..300),
     ]

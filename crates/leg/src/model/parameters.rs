@@ -102,7 +102,7 @@ pub(super) fn applied(
         let (own, nominal) = (case.nominal[i], reference[i]);
         let Some((place, name)) = p.name.split_once('/').filter(|_| !own.is_nan()) else { continue };
         let own_is_fitted = case.record.is_none();
-        let value = if own_is_fitted || own == nominal || !(nominal > 0.0) {
+        let value = if own_is_fitted || own == nominal || nominal.is_nan() || nominal <= 0.0 {
             values[i]
         } else {
             own * (values[i] / nominal)
