@@ -1,12 +1,14 @@
 //! `sealegs check`, `compare` and `add` as a user types them: keys of the result, exit statuses, every refusal of
 //! the data contract through the program, nothing half written, nothing said in a pipe.
 
+mod program;
 mod truck;
 
+use program::{json, sealegs};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Output;
-use truck::{campaign, json, sealegs};
+use truck::campaign;
 
 fn text(path: &Path) -> String {
     path.to_str().unwrap().to_owned()

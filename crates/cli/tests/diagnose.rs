@@ -1,10 +1,12 @@
 //! `sealegs diagnose` and `sealegs add` on a small campaign whose truth comes from another integrator.
 
+mod program;
 mod truck;
 
+use program::{json, sealegs};
 use serde_json::Value;
 use std::path::Path;
-use truck::{campaign, json, sealegs};
+use truck::campaign;
 
 fn finite(value: &Value) -> bool {
     match value {

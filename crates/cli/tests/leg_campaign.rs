@@ -1,9 +1,10 @@
 //! The loop on a leg as a user types it, on a leg of one joint whose truth comes from another integrator:
 //! semi-implicit Euler at a hundredth of the program's step, with a stick test.
 
-use serde_json::Value;
+mod program;
+
+use program::{json, normal, sealegs};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 /// Stiffness N/m, reflected inertia kg, damping N s/m, force per current N/A.
 const ACTUATOR: [f64; 4] = [4.0e5, 280.0, 1.1e4, 238.0];
@@ -17,23 +18,6 @@ const SAMPLE_S: f64 = 1e-3;
 const NOISE_RAD: f64 = 1e-4;
 const NOISE_N: f64 = 1.0;
 const FRICTION_N: f64 = 90.0;
-
-fn sealegs(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sealegs")).args(arguments).output().unwrap()
-}
-
-fn json(path: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn normal(state: &mut u64) -> f64 {
-    let mut sum = -6.0;
-    for _ in 0..12 {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        sum += (*state >> 11) as f64 / (1u64 << 53) as f64;
-    }
-    sum
-}
 
 /// Length of the actuator and its moment arm at a joint angle.
 fn reach(q: f64) -> (f64, f64) {
@@ -123,7 +107,7 @@ fn reference_friction_at_the_knee_is_found_added_and_run() {
     let path = |name: &str| folder.path().join(name);
     let c = text(&campaign);
     let done = |arguments: &[&str]| {
-        let done = sealegs(arguments);
+        let done = sealegs(2, arguments);
         assert_eq!(done.status.code(), Some(0), "{arguments:?}: {}", String::from_utf8_lossy(&done.stderr));
         done
     };
@@ -180,7 +164,7 @@ fn bad_leg_campaigns_are_refused_with_one_line_and_status_2() {
         let folder = tempfile::tempdir().unwrap();
         let campaign = campaign(folder.path(), edit);
         let out = folder.path().join("out.json");
-        let done = sealegs(&["compare", campaign.to_str().unwrap(), "--json", out.to_str().unwrap()]);
+        let done = sealegs(2, &["compare", campaign.to_str().unwrap(), "--json", out.to_str().unwrap()]);
         let message = String::from_utf8(done.stderr).unwrap();
         assert_eq!(done.status.code(), Some(2), "{message}");
         assert_eq!(message.lines().count(), 1, "{message}");

@@ -1,9 +1,8 @@
 //! A small campaign for tests of the program, whose truth comes from another integrator: semi-implicit Euler
 //! with a stick test at a hundredth of the program's step.
 
-use serde_json::Value;
+use crate::program::normal;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 /// Mass, damping, stiffness of the truth; the model file starts elsewhere.
 const TRUTH: [f64; 3] = [1.2, 30.0, 4000.0];
@@ -11,27 +10,6 @@ const NOISE_M: f64 = 2e-5;
 const NOISE_N: f64 = 0.05;
 const STEP_S: f64 = 1e-6;
 const SAMPLE_S: f64 = 2e-3;
-
-/// Runs the program with this many threads.
-pub fn sealegs(threads: usize, arguments: &[&str]) -> Output {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_sealegs"));
-    program.env("RAYON_NUM_THREADS", threads.to_string()).args(arguments).output().unwrap()
-}
-
-/// A file of results.
-pub fn json(path: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-/// A reproducible standard normal number: the sum of twelve uniform ones, less six.
-fn normal(state: &mut u64) -> f64 {
-    let mut sum = -6.0;
-    for _ in 0..12 {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        sum += (*state >> 11) as f64 / (1u64 << 53) as f64;
-    }
-    sum
-}
 
 /// One run as CSV: force in, deflection and spring force out, with Coulomb friction `friction` in N.
 fn run(friction: f64, seconds: f64, seed: u64, input: impl Fn(f64) -> f64) -> String {

@@ -88,7 +88,6 @@ impl Options {
             starts_fitted: 1,
             shortlist: 5,
             shortlist_later: 3,
-            race_steps: 4,
             // A law that contains the right one fits as well: the simpler must be fitted to the end, too.
             finishers: 4,
             beam_first: 1,
