@@ -8,7 +8,7 @@ use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::SensorSpec;
-use sealegs_sysid::diagnose::Limits;
+use sealegs_sysid::diagnose::{Experiment, Limits};
 use sealegs_sysid::{Campaign, campaign};
 use std::path::Path;
 use std::sync::Arc;
@@ -49,6 +49,10 @@ impl CampaignModel for BenchModel {
 
     fn limits(&self, campaign: &Campaign) -> Limits {
         plan::limits(self.spec(), campaign)
+    }
+
+    fn plan(&self, experiment: &Experiment, _folder: &Path) -> anyhow::Result<Option<String>> {
+        Ok(plan::csv(experiment))
     }
 
     fn better(

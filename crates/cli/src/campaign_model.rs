@@ -6,7 +6,7 @@ use crate::{bench_model, leg_model};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_model::Model;
-use sealegs_sysid::diagnose::Limits;
+use sealegs_sysid::diagnose::{Experiment, Limits};
 use sealegs_sysid::{Campaign, campaign};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,6 +18,13 @@ pub trait CampaignModel: Model {
 
     /// What the rig bears, in the unit of the campaign's input.
     fn limits(&self, campaign: &Campaign) -> Limits;
+
+    /// The text of a file with which the experiment can be made: an input to play, or a scenario.
+    ///
+    /// # Errors
+    ///
+    /// If a scenario cannot be written.
+    fn plan(&self, experiment: &Experiment, folder: &Path) -> anyhow::Result<Option<String>>;
 
     /// The text of a model file with the effects and values that were added, which loads again; `folder` is where it
     /// will lie.

@@ -2,13 +2,14 @@
 
 use crate::campaign_model::{CampaignModel, notes_of};
 use crate::diagnosis::addition::Added;
+use crate::diagnosis::plan;
 use crate::failure::{OrBadInput, bad_input};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_leg::model::LegModel;
 use sealegs_leg::scenario::Scenario;
 use sealegs_sysid::Campaign;
-use sealegs_sysid::diagnose::Limits;
+use sealegs_sysid::diagnose::{Experiment, Limits, Play};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -71,6 +72,14 @@ impl CampaignModel for LegModel {
     /// A leg's experiments are scenarios: there is no input to limit.
     fn limits(&self, _campaign: &Campaign) -> Limits {
         Limits::default()
+    }
+
+    fn plan(&self, experiment: &Experiment, folder: &Path) -> anyhow::Result<Option<String>> {
+        let Play::Run(name) = &experiment.play else { return Ok(plan::csv(experiment)) };
+        let Some(planned) = self.planned(name) else { return Ok(None) };
+        let mut scenario = planned.clone();
+        scenario.move_to(folder)?;
+        Ok(Some(toml::to_string_pretty(&scenario)?))
     }
 
     fn better(

@@ -68,6 +68,12 @@ pub trait Model: fmt::Debug + Send + Sync {
     fn predict(&self, values: &[f64], record: &Record, channels: &[String])
     -> Result<Prediction, ModelError>;
 
+    /// Runs that could be made on the rig, where an experiment is no input to play but a run of the rig's own: each
+    /// record's name says what to do, and [`Model::predict`] knows it by that name.
+    fn experiments(&self) -> Vec<Record> {
+        Vec::new()
+    }
+
     /// A copy that may be quicker and less exact: it integrates with no more than about so many steps per
     /// sampling period. A search looks around with it; what it finds is fitted again and judged with the model
     /// itself. A model that has nothing to save returns an exact copy.

@@ -5,6 +5,9 @@ use super::setting::{Quantity, Setting, with_starts};
 use crate::plant::{Plant, SpringPath};
 use sealegs_model::EffectCard;
 
+/// The widest gap where the output moves, in deflections.
+const WIDEST_WHERE_OUTPUT_MOVES: f64 = 30.0;
+
 /// Play in line with the spring: a dead zone in deflection.
 #[derive(Debug)]
 pub struct Backlash;
@@ -12,9 +15,12 @@ pub struct Backlash;
 impl Effect for Backlash {
     fn card(&self, setting: &Setting) -> EffectCard {
         let length = setting.length();
+        // In a locked actuator a gap beyond the deflection would be free of all force; behind a moving output a light
+        // load hardly deflects the spring and still crosses a wide gap.
+        let widest = if setting.output_moves { WIDEST_WHERE_OUTPUT_MOVES } else { 2.0 };
         let parameters = vec![with_starts(
-            setting.amount("gap", Quantity::Length, 0.02 * length, 2.0 * length),
-            [0.1 * length, 0.4 * length],
+            setting.amount("gap", Quantity::Length, 0.02 * length, widest * length),
+            [0.1, 0.4, 2.0, 8.0].map(|share| share * length),
         )];
         EffectCard {
             id: "backlash".to_owned(),

@@ -104,7 +104,7 @@ pub fn compare<'a>(
         let after = match (role, &fitted) {
             _ if as_is => None,
             (Role::Fit, _) => {
-                let found = fit::fit(&data, model, &FitOptions::default())?;
+                let found = fit::fit(&data, model, &FitOptions::of(model))?;
                 let evaluation = found.evaluation.clone();
                 fitted = Some(found);
                 Some(evaluation)

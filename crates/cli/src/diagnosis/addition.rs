@@ -4,7 +4,7 @@ use super::outcome::{ParameterValue, Side, parameters, sensors};
 use super::provenance::Provenance;
 use crate::failure::{OrBadInput, bad_input};
 use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter};
-use sealegs_sysid::diagnose::{Candidate, Promise, screen, with_effects};
+use sealegs_sysid::diagnose::{Candidate, Options, Promise, Starts, screen, with_effects};
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, fit};
 use serde::Serialize;
 
@@ -112,7 +112,7 @@ pub fn add(
 ) -> anyhow::Result<Added> {
     let data = Data::new(campaign, Some(Role::Fit), model).or_bad_input()?;
     tell("refitting the model as it is".to_owned());
-    let base_fit = fit::fit(&data, model, &FitOptions::default())?;
+    let base_fit = fit::fit(&data, model, &FitOptions::of(model))?;
     let seen = data.excitation(&base_fit.evaluation.predictions);
     check(model, effects, &seen)?;
     let before = Candidate::of_base(model, base_fit);
@@ -174,14 +174,16 @@ fn grow(
         tell(format!("trying starting values of {effect}"));
         let cards: Vec<EffectCard> =
             grown.model.effects(seen).into_iter().filter(|c| c.id == *effect).collect();
-        let promises: Vec<Promise> = screen(data, &grown, seen, &cards, STARTS);
+        let promises: Vec<Promise> =
+            screen(data, &grown, seen, &cards, Starts { most: STARTS, first: STARTS });
         let mut set = grown.effects.clone();
         set.push(effect.clone());
+        let effort = Options::of(model).effort(&grown, STEPS);
         let mut best: Option<Candidate> = None;
         for (_, start) in promises.iter().flat_map(|p| p.starts.iter().take(FITTED)) {
             let mut known = grown.known();
             known.extend(start.iter().cloned());
-            let Ok(fitted) = Candidate::fitted(data, model, &set, seen, &known, STEPS) else { continue };
+            let Ok(fitted) = Candidate::fitted(data, model, &set, seen, &known, &effort) else { continue };
             if best.as_ref().is_none_or(|b| fitted.fit.cost < b.fit.cost) {
                 best = Some(fitted);
             }
@@ -189,7 +191,7 @@ fn grow(
         grown = match best {
             Some(best) => best,
             // Nothing was promised: the effect's own guess is as good as any.
-            None => Candidate::fitted(data, model, &set, seen, &grown.known(), STEPS)?,
+            None => Candidate::fitted(data, model, &set, seen, &grown.known(), &effort)?,
         };
     }
     Ok(grown)
@@ -208,7 +210,9 @@ fn finished(
     let known = candidate.known();
     let mut best: Option<Fit> = None;
     let mut attempt = |start: Vec<f64>| -> anyhow::Result<bool> {
-        let options = FitOptions { start: Some(start), starts: 1, ..FitOptions::default() };
+        let thorough = FitOptions::of(base);
+        let columns = thorough.secants.then(|| candidate.columns());
+        let options = FitOptions { start: Some(start), starts: 1, columns, ..thorough };
         let fitted = fit::fit(data, model.as_ref(), &options)?;
         if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
             best = Some(fitted);

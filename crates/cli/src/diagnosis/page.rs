@@ -7,6 +7,7 @@ use super::text::{digits_for, evidence, figures as number};
 use crate::comparison::page::{depends, place};
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue};
 use sealegs_recorder::report::{self, Report, Table, Tone};
+use sealegs_sysid::diagnose::Play;
 use sealegs_sysid::residual;
 
 /// Sets that the page shows of a ranking.
@@ -220,10 +221,10 @@ fn next(page: &mut Report, story: &Story) {
     }
     page.section("Next experiment");
     page.paragraph(&story.outcome.next_experiment);
-    if let Some(e) = story.experiment {
-        let unit = crate::comparison::text::unit(&e.input);
-        let points = e.time_s.iter().copied().zip(e.values.iter().copied()).collect();
-        let chart = Chart::new("Proposed input", Axis::new("time", "s"), Axis::new(&e.input, unit))
+    if let Some(Play::Input { channel, time_s, values }) = story.experiment.map(|e| &e.play) {
+        let unit = crate::comparison::text::unit(channel);
+        let points = time_s.iter().copied().zip(values.iter().copied()).collect();
+        let chart = Chart::new("Proposed input", Axis::new("time", "s"), Axis::new(channel, unit))
             .line("", Hue::Blue, Dash::Solid, points)
             .zoomable("plan")
             .tall(220.0);

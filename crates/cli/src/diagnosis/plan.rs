@@ -2,7 +2,7 @@
 
 use sealegs_actuator::ActuatorSpec;
 use sealegs_sysid::Campaign;
-use sealegs_sysid::diagnose::{Experiment, Limits};
+use sealegs_sysid::diagnose::{Experiment, Limits, Play};
 use std::fmt::Write as _;
 
 /// What the actuator file says the rig bears, in the unit of the campaign's input.
@@ -20,15 +20,16 @@ pub fn limits(spec: &ActuatorSpec, campaign: &Campaign) -> Limits {
     Limits { input }
 }
 
-/// The experiment as CSV: `time_s` and the input column, one row a sample.
+/// An experiment's input as CSV: `time_s` and the input column, one row a sample; `None` for a run of the rig's own.
 #[must_use]
-pub fn csv(experiment: &Experiment) -> String {
-    let mut out = format!("time_s,{}\n", experiment.input);
-    for (t, v) in experiment.time_s.iter().zip(&experiment.values) {
+pub fn csv(experiment: &Experiment) -> Option<String> {
+    let Play::Input { channel, time_s, values } = &experiment.play else { return None };
+    let mut out = format!("time_s,{channel}\n");
+    for (t, v) in time_s.iter().zip(values) {
         // Nanoseconds and nine significant digits: what any player resolves.
         let _ = writeln!(out, "{},{}", (t * 1e9).round() / 1e9, rounded(*v));
     }
-    out
+    Some(out)
 }
 
 fn rounded(value: f64) -> f64 {

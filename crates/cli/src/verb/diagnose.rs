@@ -3,7 +3,7 @@
 use crate::diagnosis::outcome::Outcome;
 use crate::diagnosis::provenance::Provenance;
 use crate::diagnosis::story::{Sides, Story};
-use crate::diagnosis::{page, plan, progress, text};
+use crate::diagnosis::{page, progress, text};
 use crate::failure::OrBadInput;
 use crate::output::Destination;
 use crate::{campaign_model, comparison};
@@ -34,8 +34,8 @@ pub struct Diagnose {
     /// Write measured, before, after and residuals as a recording
     #[arg(long, value_name = "FILE.rrd")]
     rrd: Option<PathBuf>,
-    /// Write the next experiment as a file that can be played
-    #[arg(long, value_name = "FILE.csv")]
+    /// Write the next experiment as a file that can be played: an input's CSV, or a leg's scenario
+    #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
 }
 
@@ -73,11 +73,6 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let provenance = Provenance::of_campaign(&campaign, model.name(), &others)?;
     let next = match &experiment {
         Some(e) => e.sentence.clone(),
-        None if campaign.bench == sealegs_sysid::campaign::Bench::Leg => {
-            "Experiments of a leg are scenarios, and are not planned yet: another height or posture, or a swing that \
-             drives the named joint alone, is the place to look."
-                .to_owned()
-        }
         None => "There is nothing to tell apart, and so no experiment to propose.".to_owned(),
     };
     let outcome = Outcome::new(&campaign, &diagnosis, next, provenance);
@@ -100,7 +95,10 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
         }
     }
     if let (Some(destination), Some(experiment)) = (plan_file, &experiment) {
-        destination.write(plan::csv(experiment).as_bytes())?;
+        let folder = arguments.plan.as_deref().and_then(Path::parent).unwrap_or(Path::new("."));
+        if let Some(text) = model.plan(experiment, folder)? {
+            destination.write(text.as_bytes())?;
+        }
     }
     if let Some(destination) = json {
         destination.write((serde_json::to_string_pretty(&outcome)? + "\n").as_bytes())?;

@@ -16,7 +16,7 @@ pub const NOT_ON_A_LEG: [(&str, &str); 3] = [
 
 /// Most starting values of one parameter, and only one parameter of an effect has them: a simulation of a leg is
 /// dear.
-const MOST_STARTS: usize = 3;
+const MOST_STARTS: usize = 5;
 
 /// The seen signals of one place, under the names that they have on a bench.
 fn seen_at(place: &str, seen: &Excitation) -> Excitation {
@@ -56,7 +56,7 @@ pub(super) fn setting(place: &str, leg: &LegSetting) -> Setting {
         travel_per_rad: travel,
         force_per_command: c.force_constant,
         output_arm_m: None,
-        output_moves: false,
+        output_moves: true,
         seen: seen_at(place, leg.seen),
     }
 }
@@ -72,7 +72,9 @@ fn actuator(place: &str, leg: &LegSetting) -> Option<(ActuatorSpec, Coefficients
 /// The ids, without the place, under which an effect of the actuators' catalogue can be at a place.
 pub(super) fn ids_at(effect: &dyn Effect, place: &str, leg: &LegSetting, setting: &Setting) -> Vec<String> {
     let is_actuator = leg.robot.actuator_index(place).is_some();
-    if (effect.scope() == Scope::One && !is_actuator) || !effect.applies(setting) {
+    // What acts on a bench's output acts on a leg's joints, which are no part of the actuator.
+    let without_output = Setting { output_moves: false, ..setting.clone() };
+    if (effect.scope() == Scope::One && !is_actuator) || !effect.applies(&without_output) {
         return Vec::new();
     }
     let mut ids = ids(effect, setting);

@@ -6,6 +6,7 @@
 //! start. A fitted value means the same part in every scenario: where a scenario's nominal value differs (another
 //! spring setting), the fit's ratio to nominal is carried over.
 
+mod experiments;
 mod parameters;
 mod predict;
 
@@ -18,7 +19,7 @@ use crate::scenario::Scenario;
 use crate::simulation::load_robot;
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
-use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter, Prediction, Record};
+use sealegs_model::{EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -27,6 +28,9 @@ use std::sync::Arc;
 /// of rotor angles and 5 N of ground force of the converged motion (0.4 N, 3 mrad, 0.7 N root mean square): below a
 /// fifth of a sensor's noise.
 pub const COMPARISON_STEP_S: f64 = 2e-4;
+
+/// The longest step that a search takes, s: in a drop the foot's contact is stiff.
+const COARSEST_STEP_S: f64 = 5e-4;
 
 /// A scenario with its robot, and the records that belong to it.
 #[derive(Debug)]
@@ -38,6 +42,8 @@ struct Case {
     channels: Vec<(String, Channel)>,
     /// The base parameters' values in this scenario; NaN where it has no such part.
     nominal: Vec<f64>,
+    /// Whether it was not recorded but could be.
+    planned: bool,
 }
 
 /// An effect that the model has, and where its parameters begin.
@@ -60,6 +66,8 @@ pub struct LegModel {
     included: Vec<Included>,
     own: Vec<Arc<dyn Effect>>,
     step_s: Option<f64>,
+    /// Steps per sampling period where less exactness will do, see [`Model::coarser`].
+    steps_per_sample: Option<f64>,
 }
 
 impl LegModel {
@@ -91,6 +99,10 @@ impl LegModel {
             let robot = load_robot(&scenario)?;
             cases.push(Case::new(Some(record), scenario, robot, &parameters)?);
         }
+        for (what, variant) in experiments::variants(&cases[0].scenario, &cases[0].robot) {
+            let robot = cases[0].robot.clone();
+            cases.push(Case { planned: true, ..Case::new(Some(what), variant, robot, &parameters)? });
+        }
         let mut model = Self {
             cases: Arc::new(cases),
             reference: Arc::new(reference),
@@ -98,10 +110,11 @@ impl LegModel {
             included: Vec::new(),
             own,
             step_s: None,
+            steps_per_sample: None,
         };
         model.include_named()?;
         // What is wrong with a scenario beyond its text shows when it is put together.
-        for case in model.cases.iter() {
+        for case in model.cases.iter().filter(|c| !c.planned) {
             crate::simulation::Simulation::with_effects(&case.scenario, case.robot.clone(), &[])?;
         }
         Ok(model)
@@ -216,6 +229,13 @@ impl LegModel {
         scenario
     }
 
+    /// The scenario of one of [`Model::experiments`], by its name.
+    #[must_use]
+    pub fn planned(&self, name: &str) -> Option<&Scenario> {
+        let case = self.cases.iter().find(|case| case.planned && case.record.as_deref() == Some(name));
+        case.map(|case| &case.scenario)
+    }
+
     /// What keeps a record's input column from commanding this leg, if anything does.
     #[must_use]
     pub fn refuses_input(&self, record: &str, channel: &str) -> Option<String> {
@@ -246,6 +266,22 @@ fn comparison_step(scenario: &Scenario) -> f64 {
     if coarser && divides(1.0 / scenario.controller.rate_hz) { COMPARISON_STEP_S } else { scenario.step_s }
 }
 
+/// The longest step up to `most_s` that divides the controller's period, s; that of a comparison where it would save
+/// little.
+fn coarser_step(scenario: &Scenario, most_s: f64) -> f64 {
+    let period_s = 1.0 / scenario.controller.rate_hz;
+    let most_s = most_s.min(COARSEST_STEP_S);
+    let coarser = period_s / (period_s / most_s - 1e-9).ceil().max(1.0);
+    let exact = comparison_step(scenario);
+    if coarser > 1.5 * exact { coarser } else { exact }
+}
+
+/// A record's usual sampling period, s.
+fn sample_period(record: &Record) -> f64 {
+    let span = record.time_s.last().zip(record.time_s.first()).map_or(0.0, |(b, a)| b - a);
+    span / record.time_s.len().saturating_sub(1).max(1) as f64
+}
+
 impl Case {
     fn new(
         record: Option<String>,
@@ -258,7 +294,7 @@ impl Case {
         let actuators: Vec<&str> = sprung.map(|a| a.name.as_str()).collect();
         let channels = channel::all(&joints, &actuators);
         let nominal = parameters::nominal(parameters, &scenario, &robot)?;
-        Ok(Self { record, channels, nominal, scenario, robot })
+        Ok(Self { record, channels, nominal, scenario, robot, planned: false })
     }
 }
 
@@ -304,8 +340,33 @@ impl Model for LegModel {
     ) -> Result<Prediction, ModelError> {
         let case = self.case(&record.name);
         let mut scenario = parameters::applied(case, &self.parameters, &self.reference, values, &|_| None);
-        scenario.step_s = self.step_s.unwrap_or_else(|| comparison_step(&scenario));
+        scenario.step_s = match (self.step_s, self.steps_per_sample) {
+            (Some(step_s), _) => step_s,
+            (None, Some(steps)) => coarser_step(&scenario, sample_period(record) / steps),
+            (None, None) => comparison_step(&scenario),
+        };
         predict::predict(case, &scenario, &self.placed(values), record, channels)
+    }
+
+    fn experiments(&self) -> Vec<Record> {
+        let planned = self.cases.iter().filter(|case| case.planned);
+        planned
+            .map(|case| {
+                let (period_s, duration_s) = (case.scenario.sample_period_s, case.scenario.duration_s);
+                let samples = (duration_s / period_s).floor() as usize;
+                Record {
+                    name: case.record.clone().unwrap_or_default(),
+                    time_s: (0..=samples).map(|i| i as f64 * period_s).collect(),
+                    hold: InputHold::ZeroOrder,
+                    inputs: Vec::new(),
+                    outputs: Vec::new(),
+                }
+            })
+            .collect()
+    }
+
+    fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
+        Box::new(Self { steps_per_sample: Some(steps_per_sample), ..self.clone() })
     }
 
     fn clone_box(&self) -> Box<dyn Model> {

@@ -2,9 +2,10 @@
 
 use crate::Error;
 use crate::data::Data;
-use crate::fit::{Difference, Fit, FitOptions, dot, fit};
+use crate::fit::{Difference, Fit, FitOptions, KnownColumns, dot, fit};
 use nalgebra::{DMatrix, DVector};
 use sealegs_model::{Excitation, Model};
+use std::sync::Arc;
 
 /// Stretches of each run that are left out one at a time, where the runs are few; else whole runs are: what
 /// holds only at one amplitude must not hold up.
@@ -26,6 +27,32 @@ pub struct Candidate {
     pub validation: Validation,
     /// Whether the model was integrated as exactly as it can be; a search is content with less.
     pub exact: bool,
+}
+
+/// Gain of a step with which a fit in a search is content (see [`FitOptions::tolerance`]).
+const TOLERANCE: f64 = 0.05;
+
+/// The same where derivatives are dear; what is chosen is fitted on.
+const ROUGH_TOLERANCE: f64 = 3.0;
+
+/// How much work a fit in a search is worth.
+#[derive(Debug, Clone)]
+pub struct Effort {
+    /// Steps at most.
+    pub steps: usize,
+    /// Derivatives at its end.
+    pub difference: Difference,
+    /// Derivatives that are known nearby, where the fit is to make do with them as far as they go (see
+    /// [`FitOptions::secants`]).
+    pub columns: Option<Arc<KnownColumns>>,
+}
+
+impl Effort {
+    /// As many steps, every derivative by simulation.
+    #[must_use]
+    pub fn steps(steps: usize) -> Self {
+        Self { steps, difference: Difference::Forward, columns: None }
+    }
 }
 
 /// Prediction errors on left-out stretches of the fit runs.
@@ -61,7 +88,7 @@ impl Candidate {
     }
 
     /// Fits the base model with these effects, from the given values where a parameter's name is known and
-    /// from its guess where it is not, in at most so many steps of the search.
+    /// from its guess where it is not.
     ///
     /// # Errors
     ///
@@ -72,16 +99,18 @@ impl Candidate {
         effects: &[String],
         seen: &Excitation,
         known: &[(String, f64)],
-        most_steps: usize,
+        effort: &Effort,
     ) -> Result<Self, Error> {
         let model = with_effects(base, effects, seen)?;
         let start = values_by_name(model.as_ref(), known);
         let options = FitOptions {
             start: Some(start),
             starts: 1,
-            max_steps: most_steps,
-            tolerance: 0.05,
-            difference: Difference::Forward,
+            max_steps: effort.steps,
+            tolerance: if effort.columns.is_some() { ROUGH_TOLERANCE } else { TOLERANCE },
+            difference: effort.difference,
+            secants: effort.columns.is_some(),
+            columns: effort.columns.clone(),
             ..FitOptions::default()
         };
         let fit = fit(data, model.as_ref(), &options)?;
@@ -93,6 +122,12 @@ impl Candidate {
     #[must_use]
     pub fn known(&self) -> Vec<(String, f64)> {
         self.fit.parameters.iter().map(|p| (p.name.clone(), p.value)).collect()
+    }
+
+    /// The derivatives of its fit, for fits nearby.
+    #[must_use]
+    pub fn columns(&self) -> Arc<KnownColumns> {
+        Arc::new(KnownColumns::of(&self.fit))
     }
 
     /// Number of parameters that the effects add and a fit may change.

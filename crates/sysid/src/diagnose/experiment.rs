@@ -18,11 +18,17 @@ const SHORTEST_S: f64 = 4.0;
 /// Outputs may exceed what the campaign showed by this factor at most.
 const BEYOND_SEEN: f64 = 1.2;
 
+/// The same where a run has no amplitude that could be lowered: joints that rested are to move.
+const BEYOND_SEEN_IN_RUNS: f64 = 3.0;
+
 /// Rivals that are told apart from the named set at once.
 const MOST_RIVALS: usize = 3;
 
 /// Excitations that are examined with refitted parameters, out of those that differ most without.
 const EXAMINED: usize = 4;
+
+/// The same where each run simulates a whole leg.
+const EXAMINED_RUNS: usize = 2;
 
 /// Difference between rivals, in noise units over all samples together, that settles the matter.
 const SETTLES: f64 = 10.0;
@@ -39,12 +45,8 @@ pub struct Limits {
 pub struct Experiment {
     /// What to do and why, with numbers.
     pub sentence: String,
-    /// The input channel.
-    pub input: String,
-    /// Time stamps, s.
-    pub time_s: Vec<f64>,
-    /// Input values at them, in the channel's unit.
-    pub values: Vec<f64>,
+    /// What the rig is to do.
+    pub play: Play,
     /// The rivals that it is to tell apart; the first is the named set. A set without effects is the base.
     pub rivals: Vec<Vec<String>>,
     /// Root mean square difference between the named set and its nearest rival in noise units, after
@@ -52,7 +54,23 @@ pub struct Experiment {
     pub difference: f64,
 }
 
-/// The experiment that would tell most after this diagnosis; `None` if there is no input to play or nothing
+/// What a rig is to do in an experiment.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Play {
+    /// To play an input.
+    Input {
+        /// The input channel.
+        channel: String,
+        /// Time stamps, s.
+        time_s: Vec<f64>,
+        /// Values at them, in the channel's unit.
+        values: Vec<f64>,
+    },
+    /// One of [`sealegs_model::Model::experiments`], by its name.
+    Run(String),
+}
+
+/// The experiment that would tell most after this diagnosis; `None` if there is nothing to play or nothing
 /// can be simulated.
 ///
 /// # Errors
@@ -70,11 +88,15 @@ pub fn next_experiment(
     if rivals.len() < 2 {
         return Ok(None);
     }
-    let mut trials: Vec<Trial> =
-        library(&rig.excite).into_par_iter().filter_map(|e| rig.trial(&data, &rivals, e)).collect();
+    let runs = base.model.experiments();
+    let mut trials: Vec<Trial> = if runs.is_empty() {
+        library(&rig.excite).into_par_iter().filter_map(|e| rig.trial(&data, &rivals, e)).collect()
+    } else {
+        runs.into_par_iter().filter_map(|record| rig.run(&data, &rivals, record)).collect()
+    };
     // Ties in the order of the library.
     trials.sort_by(|a, b| b.apart.total_cmp(&a.apart));
-    trials.truncate(EXAMINED);
+    trials.truncate(if rig.input.is_empty() { EXAMINED_RUNS } else { EXAMINED });
     let examined: Vec<(Trial, f64)> = trials
         .into_iter()
         .filter_map(|t| rig.refitted(&data, &rivals, &t.record).map(|apart| (t, apart)))
@@ -131,7 +153,10 @@ struct Trial {
 impl Rig {
     fn of(data: &Data, limits: Limits) -> Option<Self> {
         let record = data.runs.first()?.record;
-        let input = record.inputs.first()?;
+        let shown: Vec<f64> = data.channels.iter().map(|c| c.peak).collect();
+        let Some(input) = record.inputs.first() else {
+            return Some(Self { input: String::new(), hold: record.hold, excite: Excite::default(), shown });
+        };
         let inputs =
             || data.runs.iter().flat_map(|r| &r.record.inputs).flat_map(|s| s.values.iter().copied());
         let (low, high) = inputs().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -162,7 +187,7 @@ impl Rig {
                 duration_s: longest.clamp(SHORTEST_S, LONGEST_S),
                 period_s: round_period(stats::median(&periods)),
             },
-            shown: data.channels.iter().map(|c| c.peak).collect(),
+            shown,
         })
     }
 
@@ -198,14 +223,7 @@ impl Rig {
                 .collect::<Option<_>>()?;
             let excess = self.excess(data, &predicted);
             if excess <= 1.0 {
-                let rows: Vec<Vec<f64>> = predicted.iter().map(|p| self.rows(data, p)).collect();
-                let mut apart = f64::INFINITY;
-                for (i, a) in rows.iter().enumerate() {
-                    for b in &rows[i + 1..] {
-                        let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum();
-                        apart = apart.min((squares / a.len().max(1) as f64).sqrt());
-                    }
-                }
+                let apart = self.apart(data, &predicted);
                 let description = if share < 1.0 {
                     format!(
                         "{description} (at {:.0} % of that, so that outputs stay within {BEYOND_SEEN} times what was seen)",
@@ -221,6 +239,28 @@ impl Rig {
             values.iter_mut().for_each(|v| *v = self.excite.centre + weaker * (*v - self.excite.centre));
         }
         None
+    }
+
+    /// The rivals' predictions of a run of the rig's own; none if an output would leave what the campaign showed.
+    fn run(&self, data: &Data, rivals: &[&Candidate], record: Record) -> Option<Trial> {
+        let predicted: Vec<Prediction> =
+            rivals.iter().map(|c| self.predict(data, c, &c.fit.values, &record)).collect::<Option<_>>()?;
+        let apart = self.apart(data, &predicted);
+        let shown = self.excess(data, &predicted) <= BEYOND_SEEN_IN_RUNS / BEYOND_SEEN;
+        (shown && apart.is_finite()).then(|| Trial { description: record.name.clone(), record, apart })
+    }
+
+    /// Least root mean square difference over the pairs of predictions, noise units.
+    fn apart(&self, data: &Data, predicted: &[Prediction]) -> f64 {
+        let rows: Vec<Vec<f64>> = predicted.iter().map(|p| self.rows(data, p)).collect();
+        let mut apart = f64::INFINITY;
+        for (i, a) in rows.iter().enumerate() {
+            for b in &rows[i + 1..] {
+                let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum();
+                apart = apart.min((squares / a.len().max(1) as f64).sqrt());
+            }
+        }
+        apart
     }
 
     /// Greatest ratio of a predicted output to what is admitted.
@@ -326,13 +366,17 @@ impl Rig {
             _ => String::new(),
         };
         let rows = trial.record.len() as f64;
-        let play = format!(
-            "play {} on {} for {:.0} s at {:.0} Hz",
-            trial.description,
-            self.input,
-            rows * self.excite.period_s,
-            1.0 / self.excite.period_s
-        );
+        let play = if self.input.is_empty() {
+            trial.description.clone()
+        } else {
+            format!(
+                "play {} on {} for {:.0} s at {:.0} Hz",
+                trial.description,
+                self.input,
+                rows * self.excite.period_s,
+                1.0 / self.excite.period_s
+            )
+        };
         let tied = !diagnosis.verdict.indistinguishable.is_empty();
         let settles = apart * rows.sqrt() > SETTLES;
         let apart_text = format!("{apart:.2} noise units RMS");
@@ -354,15 +398,14 @@ impl Rig {
                 "These data tell the candidates apart; to confirm, {play}: {who}, the next best, differ by {apart_text} there."
             ),
         };
-        let input = &trial.record.inputs[0];
-        Experiment {
-            sentence,
-            input: input.channel.clone(),
-            values: input.values.clone(),
-            rivals: rivals.iter().map(|c| c.effects.clone()).collect(),
-            difference: apart,
-            time_s: trial.record.time_s,
-        }
+        let play = match trial.record.inputs.into_iter().next() {
+            Some(input) => {
+                Play::Input { channel: input.channel, time_s: trial.record.time_s, values: input.values }
+            }
+            None => Play::Run(trial.record.name),
+        };
+        let rivals = rivals.iter().map(|c| c.effects.clone()).collect();
+        Experiment { sentence, play, rivals, difference: apart }
     }
 }
 

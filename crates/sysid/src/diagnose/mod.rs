@@ -10,14 +10,16 @@ mod candidate;
 mod compare;
 mod excitations;
 mod experiment;
+mod finish;
+mod rivals;
 mod screen;
 mod search;
 mod verdict;
 
-pub use candidate::{Candidate, Validation, values_by_name, with_effects};
+pub use candidate::{Candidate, Effort, Validation, values_by_name, with_effects};
 pub use compare::clearly_better;
-pub use experiment::{Experiment, Limits, next_experiment};
-pub use screen::{Promise, race_periodic, screen};
+pub use experiment::{Experiment, Limits, Play, next_experiment};
+pub use screen::{Promise, Starts, race_periodic, screen};
 pub use search::Found;
 pub use verdict::{Judged, Verdict, VerdictKind};
 
@@ -35,6 +37,10 @@ pub struct Options {
     pub starts: usize,
     /// The same beside a model with effects.
     pub starts_later: usize,
+    /// Starting values that every effect gets at first, the most promising [`screen::LEADERS`] all of them.
+    pub starts_first: usize,
+    /// Periodic effects, the most promising ones, that are fitted for a few steps before they are ranked.
+    pub periodic_raced: usize,
     /// Starting values of a set that are fitted.
     pub starts_fitted: usize,
     /// Single effects that are fitted.
@@ -43,6 +49,8 @@ pub struct Options {
     pub shortlist_later: usize,
     /// Steps that every fit of a shortlist gets before the leaders go on.
     pub race_steps: usize,
+    /// Whether fits make do with derivatives that are known nearby as far as they go (see [`FitOptions::secants`]).
+    pub secants: bool,
     /// Fits of a shortlist that go on to the end.
     pub finishers: usize,
     /// Single effects that pairs grow from.
@@ -59,10 +67,13 @@ impl Default for Options {
             most_effects: 6,
             starts: 200,
             starts_later: 60,
+            starts_first: usize::MAX,
+            periodic_raced: usize::MAX,
             starts_fitted: 2,
             shortlist: 12,
             shortlist_later: 8,
             race_steps: 4,
+            secants: false,
             finishers: 5,
             beam_first: 4,
             beam: 2,
@@ -71,22 +82,24 @@ impl Default for Options {
     }
 }
 
-/// Free parameters beyond which every fit is dear, as each of its steps simulates once a parameter: a whole leg's.
-const MANY_PARAMETERS: usize = 15;
-
 impl Options {
     /// What suits a model: of one with many parameters and places only the most promising sets are fitted.
     #[must_use]
     pub fn of(model: &dyn Model) -> Self {
         let usual = Self::default();
-        if model.parameters().iter().filter(|p| !p.fixed).count() <= MANY_PARAMETERS {
+        if !fit::has_many_parameters(model) {
             return usual;
         }
         Self {
-            starts: 6,
-            starts_later: 3,
+            starts: 12,
+            starts_later: 6,
+            starts_first: 2,
+            periodic_raced: 6,
             starts_fitted: 1,
-            shortlist: 5,
+            // Steps are cheap, derivatives are not.
+            race_steps: 8,
+            secants: true,
+            shortlist: 6,
             shortlist_later: 3,
             // A law that contains the right one fits as well: the simpler must be fitted to the end, too.
             finishers: 4,
@@ -94,6 +107,12 @@ impl Options {
             beam: 1,
             ..usual
         }
+    }
+
+    /// The work of a fit of a search that begins near a candidate.
+    #[must_use]
+    pub fn effort(&self, near: &Candidate, steps: usize) -> Effort {
+        Effort { columns: self.secants.then(|| near.columns()), ..Effort::steps(steps) }
     }
 }
 
@@ -161,11 +180,13 @@ pub fn diagnose(
     let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
     progress(Progress::Base);
     let coarse = base.coarser(STEPS_PER_SAMPLE);
-    let base_fit = fit::fit(&data, coarse.as_ref(), &FitOptions::default())?;
+    let base_fit = fit::fit(&data, coarse.as_ref(), &FitOptions::of(base))?;
     let seen = data.excitation(&base_fit.evaluation.predictions);
     let admitted: Vec<String> = base.effects(&seen).into_iter().map(|c| c.id).collect();
     let floor = options.floor.unwrap_or_else(|| noise_floor(campaign));
-    let first = Candidate::of_base(coarse.as_ref(), base_fit);
+    let mut first = Candidate::of_base(coarse.as_ref(), base_fit);
+    // Where the search's steps are the model's own there is nothing to polish.
+    first.exact = data.predict(base, &first.fit.values).is_ok_and(|p| p == first.fit.evaluation.predictions);
     let search = search::Search {
         data: &data,
         base: coarse.as_ref(),

@@ -35,7 +35,28 @@ pub struct Promise {
     pub starts: Vec<(f64, Vec<(String, f64)>)>,
 }
 
-/// Screens effects beside a candidate. `starts_of` says which starting values of an effect to try.
+impl Promise {
+    /// Adds further starts.
+    fn take_in(&mut self, starts: Vec<(f64, Vec<(String, f64)>)>) {
+        self.starts.extend(starts);
+        self.starts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        self.drop = self.starts.first().map_or(0.0, |s| s.0);
+    }
+}
+
+/// How many starting values of each effect are simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Starts {
+    /// At most.
+    pub most: usize,
+    /// At first; only the [`LEADERS`] then get all of them.
+    pub first: usize,
+}
+
+/// Effects that get all their starting values where each gets few at first.
+pub const LEADERS: usize = 24;
+
+/// Screens effects beside a candidate.
 ///
 /// The result is in the order of `cards`; an effect that cannot be simulated promises nothing.
 pub fn screen(
@@ -43,10 +64,25 @@ pub fn screen(
     beside: &Candidate,
     seen: &Excitation,
     cards: &[EffectCard],
-    most_starts: usize,
+    starts: Starts,
 ) -> Vec<Promise> {
-    let starts = cards.iter().map(|card| combinations(&card.parameters, most_starts)).collect();
-    let mut promises = screen_starts(data, beside, seen, cards, starts);
+    let all: Vec<Vec<Vec<f64>>> =
+        cards.iter().map(|card| combinations(&card.parameters, starts.most)).collect();
+    let first = all.iter().map(|s| spread(s, starts.first)).collect();
+    let mut promises = screen_starts(data, beside, seen, cards, first);
+    if all.iter().any(|s| s.len() > starts.first) {
+        let mut order: Vec<usize> = (0..cards.len()).collect();
+        order.sort_by(|&a, &b| promises[b].drop.total_cmp(&promises[a].drop));
+        let leads = |i: usize| order.iter().take(LEADERS).any(|&o| o == i) && all[i].len() > starts.first;
+        let others = |i: usize| {
+            let first = spread(&all[i], starts.first);
+            all[i].iter().filter(|s| !first.contains(s)).cloned().collect()
+        };
+        let rest = (0..cards.len()).map(|i| if leads(i) { others(i) } else { Vec::new() }).collect();
+        for (promise, more) in promises.iter_mut().zip(screen_starts(data, beside, seen, cards, rest)) {
+            promise.take_in(more.starts);
+        }
+    }
     for (card, promise) in cards.iter().zip(&mut promises) {
         refine_rugged(data, beside, seen, card, promise);
     }
@@ -90,10 +126,8 @@ fn refine_rugged(
             .collect();
         let found = screen_starts(data, beside, seen, std::slice::from_ref(card), vec![starts]);
         for found in found {
-            promise.starts.extend(found.starts);
+            promise.take_in(found.starts);
         }
-        promise.starts.sort_by(|a, b| b.0.total_cmp(&a.0));
-        promise.drop = promise.starts[0].0;
     }
 }
 
@@ -198,12 +232,16 @@ fn combinations(parameters: &[Parameter], most: usize) -> Vec<Vec<f64>> {
             .flat_map(|&o| all.iter().map(move |before| before.iter().copied().chain([o]).collect()))
             .collect();
     }
-    if all.len() > most {
-        // Evenly over what there is, so that no parameter's starts are cut off.
-        let step = all.len() as f64 / most as f64;
-        return (0..most).map(|i| all[(i as f64 * step) as usize].clone()).collect();
+    spread(&all, most)
+}
+
+/// So many of them at most, evenly over what there is, so that no parameter's starts are cut off.
+fn spread(all: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
+    if all.len() <= most {
+        return all.to_vec();
     }
-    all
+    let step = all.len() as f64 / most as f64;
+    (0..most).map(|i| all[(i as f64 * step) as usize].clone()).collect()
 }
 
 /// Steps that every start of a periodic effect gets.

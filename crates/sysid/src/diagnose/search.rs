@@ -1,11 +1,12 @@
 //! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the best
 //! few at every size are fitted, members leave again, and rivals of each member are tried.
 
+use super::candidate::Effort;
 use super::compare::{clearly_better, gain};
-use super::screen::{Promise, addable, race_periodic, screen};
-use super::{Candidate, Options, Progress, Validation, with_effects};
+use super::screen::{Promise, Starts, addable, race_periodic, screen};
+use super::{Candidate, Options, Progress, Validation};
 use crate::data::Data;
-use crate::fit::{FitOptions, fit};
+use crate::fit::Difference;
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model};
 
@@ -44,17 +45,20 @@ pub(super) struct Search<'a> {
 }
 
 /// Most steps of a fit that goes on.
-const FINAL_STEPS: usize = 20;
+pub(super) const FINAL_STEPS: usize = 20;
 
 /// Costs that differ by less are equal: a likelihood ratio of e^10 is decisive.
-const EQUAL_COST: f64 = 10.0;
+pub(super) const EQUAL_COST: f64 = 10.0;
 
 /// Error as a ratio of the floor below which nothing is looked for: a stated noise is rounded, an encoder's quantum
 /// is not quite noise, and the search's steps are coarse.
-const AT_FLOOR: f64 = 1.01;
+pub(super) const AT_FLOOR: f64 = 1.01;
 
 /// The same on what is left out, where every parameter costs a little.
 const NEAR_FLOOR: f64 = 1.05;
+
+/// How much more of what is unexplained a fit may leave after a race and still be fitted to the end.
+const REACH: f64 = 8.0;
 
 /// A set to be fitted, and where from.
 struct Plan {
@@ -109,6 +113,7 @@ impl Search<'_> {
                 break;
             }
         }
+        self.second_chances(best);
         let (chosen, tied) = self.ties(best);
         let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
         self.tried[chosen] = settled;
@@ -127,7 +132,7 @@ impl Search<'_> {
         self.tried[index].fit.error() <= AT_FLOOR * self.floor && left_out <= NEAR_FLOOR * self.floor
     }
 
-    fn screen_beside(&mut self, from: usize, size: usize) -> Vec<Promise> {
+    pub(super) fn screen_beside(&mut self, from: usize, size: usize) -> Vec<Promise> {
         if let Some((_, known)) = self.screened.iter().find(|(i, _)| *i == from) {
             return known.clone();
         }
@@ -135,12 +140,16 @@ impl Search<'_> {
         (self.progress)(Progress::Screening { beside: beside.effects.clone() });
         let cards = addable(beside.model.as_ref(), self.seen, &self.admitted);
         let most = if size == 1 { self.options.starts } else { self.options.starts_later };
-        let mut promises = screen(self.data, beside, self.seen, &cards, most);
+        let starts = Starts { most, first: self.options.starts_first };
+        let mut promises = screen(self.data, beside, self.seen, &cards, starts);
         if self.screened.iter().all(|(i, _)| self.tried[*i].effects.len() < self.tried[from].effects.len())
             && !self.at_floor(from)
         {
-            let race = |p| race_periodic(self.data, beside, self.seen, p);
-            promises = promises.into_iter().map(race).collect();
+            let mut order: Vec<usize> = (0..promises.len()).collect();
+            order.sort_by(|&a, &b| promises[b].drop.total_cmp(&promises[a].drop));
+            for i in order.into_iter().take(self.options.periodic_raced) {
+                promises[i] = race_periodic(self.data, beside, self.seen, promises[i].clone());
+            }
         }
         self.screened.push((from, promises.clone()));
         promises
@@ -168,7 +177,7 @@ impl Search<'_> {
             .collect()
     }
 
-    fn with(&self, effects: &[String], one_more: &str) -> Vec<String> {
+    pub(super) fn with(&self, effects: &[String], one_more: &str) -> Vec<String> {
         let chosen = |id: &String| effects.contains(id) || id == one_more;
         self.admitted.iter().filter(|id| chosen(id)).cloned().collect()
     }
@@ -185,6 +194,10 @@ impl Search<'_> {
         }
         (self.progress)(Progress::Fitting { sets: sets.clone() });
         let (data, base, seen, options) = (self.data, self.base, self.seen, self.options);
+        let race = Effort {
+            difference: if options.secants { Difference::Secant } else { Difference::Forward },
+            ..options.effort(&self.tried[0], options.race_steps)
+        };
         let raced: Vec<Option<Candidate>> = sets
             .par_iter()
             .map(|set| {
@@ -192,87 +205,34 @@ impl Search<'_> {
                     .iter()
                     .filter(|p| p.effects == *set)
                     .take(options.starts_fitted)
-                    .filter_map(|p| {
-                        Candidate::fitted(data, base, set, seen, &p.known, options.race_steps).ok()
-                    })
+                    .filter_map(|p| Candidate::fitted(data, base, set, seen, &p.known, &race).ok())
                     .reduce(|best, other| if other.fit.cost < best.fit.cost { other } else { best })
             })
             .collect();
         let mut raced: Vec<Candidate> = raced.into_iter().flatten().collect();
         raced.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
-        // Those that lead after a few steps are fitted to the end.
+        // Those that lead after a few steps are fitted to the end; of a model whose fits are dear, those within reach.
+        let noise = |c: &Candidate| {
+            let residuals: usize = c.fit.evaluation.blocks.iter().map(|b| b.residual.len()).sum();
+            0.5 * self.floor * self.floor * residuals as f64
+        };
+        let reach =
+            raced.first().map_or(0.0, |c| noise(c) + REACH * (c.fit.cost - noise(c)).max(0.02 * noise(c)));
+        let within = |c: &Candidate| !options.secants || c.fit.cost <= reach;
         let finished: Vec<Candidate> = raced
             .into_par_iter()
             .enumerate()
             .map(|(place, c)| match place {
                 // A choice that the base model made far from the truth may be wrong beside an effect.
-                0 | 1 => self.with_best_choice(self.finished(c), 0.0),
-                _ if place < self.options.finishers => self.finished(c),
+                0 => self.with_best_choice(self.shaken(self.returned(self.finished(c))), 0.0),
+                1 if within(&c) => self.with_best_choice(self.returned(self.finished(c)), 0.0),
+                _ if place < self.options.finishers && within(&c) => self.finished(c),
                 _ => c,
             })
             .collect();
         let first = self.tried.len();
         self.tried.extend(finished);
         (first..self.tried.len()).collect()
-    }
-
-    /// The candidate under the discrete choice that fits best; of choices whose costs differ by no more than
-    /// `equal`, the first.
-    fn with_best_choice(&self, candidate: Candidate, equal: f64) -> Candidate {
-        let choices = crate::fit::choices(self.base);
-        let parameters = self.base.parameters();
-        let discrete: Vec<usize> = (0..parameters.len())
-            .filter(|&i| parameters[i].fixed && !parameters[i].starts.is_empty())
-            .collect();
-        if discrete.is_empty() {
-            return candidate;
-        }
-        let mut all: Vec<Candidate> = Vec::new();
-        for choice in choices {
-            let mut known = candidate.known();
-            let mut same = true;
-            for &i in &discrete {
-                let Some(entry) = known.iter_mut().find(|(name, _)| *name == parameters[i].name) else {
-                    continue;
-                };
-                same &= entry.1 == choice[i];
-                entry.1 = choice[i];
-            }
-            if same {
-                all.push(candidate.clone());
-            } else {
-                let effects = &candidate.effects;
-                all.extend(
-                    Candidate::fitted(self.data, self.base, effects, self.seen, &known, FINAL_STEPS).ok(),
-                );
-            }
-        }
-        let least = all.iter().map(|c| c.fit.cost).fold(f64::INFINITY, f64::min);
-        all.into_iter().find(|c| c.fit.cost <= least + equal).unwrap_or(candidate)
-    }
-
-    /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors.
-    fn polished(&self, candidate: &Candidate) -> Candidate {
-        let options =
-            FitOptions { start: Some(candidate.fit.values.clone()), starts: 1, ..FitOptions::default() };
-        with_effects(self.exact, &candidate.effects, self.seen)
-            .and_then(|model| fit(self.data, model.as_ref(), &options).map(|fit| (model, fit)))
-            .map_or_else(
-                |_| candidate.clone(),
-                |(model, fit)| Candidate::exactly(candidate.effects.clone(), model, fit),
-            )
-    }
-
-    /// A candidate whose fit has converged, if it can.
-    fn finished(&self, candidate: Candidate) -> Candidate {
-        if candidate.fit.converged {
-            return candidate;
-        }
-        let known = candidate.known();
-        Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, FINAL_STEPS)
-            .ok()
-            .filter(|f| f.fit.cost <= candidate.fit.cost)
-            .unwrap_or(candidate)
     }
 
     fn mean_square(&self, index: usize) -> f64 {
@@ -301,12 +261,13 @@ impl Search<'_> {
     }
 
     /// Index of a set, fitted now if it was not, from another candidate's values.
-    fn index_of(&mut self, effects: &[String], near: usize) -> Option<usize> {
+    pub(super) fn index_of(&mut self, effects: &[String], near: usize) -> Option<usize> {
         if let Some(i) = self.tried.iter().position(|t| t.effects == effects) {
             return Some(i);
         }
         let known = self.tried[near].known();
-        let fitted = Candidate::fitted(self.data, self.base, effects, self.seen, &known, FINAL_STEPS).ok()?;
+        let effort = self.options.effort(&self.tried[near], FINAL_STEPS);
+        let fitted = Candidate::fitted(self.data, self.base, effects, self.seen, &known, &effort).ok()?;
         self.tried.push(fitted);
         Some(self.tried.len() - 1)
     }
@@ -318,7 +279,17 @@ impl Search<'_> {
             let mut without: Vec<usize> = Vec::new();
             for leaving in &effects {
                 let rest: Vec<String> = effects.iter().filter(|e| *e != leaving).cloned().collect();
-                without.extend(self.index_of(&rest, best));
+                let Some(i) = self.index_of(&rest, best) else { continue };
+                without.push(i);
+                // It was fitted from elsewhere and may have come to rest far from here.
+                if !rest.is_empty() && self.tried[i].fit.cost > self.tried[best].fit.cost + EQUAL_COST {
+                    let effort = self.options.effort(&self.tried[best], FINAL_STEPS);
+                    let known = self.tried[best].known();
+                    let again = Candidate::fitted(self.data, self.base, &rest, self.seen, &known, &effort);
+                    again.into_iter().for_each(|c| {
+                        self.keep(c);
+                    });
+                }
             }
             let next = without
                 .into_iter()

@@ -15,6 +15,10 @@ const EXPLAINED: f64 = 1.25;
 /// Share of the unexplained energy that effects must remove to be named at all.
 const WORTH_NAMING: f64 = 0.5;
 
+/// Mean squared error above the floor on held-out runs, in units of what the fitted values' own uncertainty makes
+/// one expect there, up to which it says nothing against the model: few directions make most of it.
+const WITHIN: f64 = 3.0;
+
 /// What was found out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VerdictKind {
@@ -108,7 +112,10 @@ pub(super) fn judge(holdout: &Data, found: &Found, floor: f64) -> Result<Verdict
     };
     let at_floor = |e: &Evaluation, ratio: f64| e.rms <= ratio * floor;
     let kind = if chosen.effects.is_empty() {
-        let fits = base.fit.error() <= ADEQUATE * floor && at_floor(&base_holdout, ADEQUATE);
+        let fits = base.fit.error() <= ADEQUATE * floor
+            && (at_floor(&base_holdout, ADEQUATE)
+                || at_floor(&base_holdout, EXPLAINED)
+                    && excess(&base_holdout) <= WITHIN * uncertainty(holdout, base, &base_holdout)?);
         if fits { VerdictKind::Adequate } else { VerdictKind::Unexplained }
     } else if at_floor(&chosen_holdout, EXPLAINED) {
         VerdictKind::MissingEffect
@@ -149,4 +156,38 @@ pub(super) fn judge(holdout: &Data, found: &Found, floor: f64) -> Result<Verdict
         unexplained_share: if named { share } else { 1.0 },
         ranking: ranking.into_iter().flatten().collect(),
     })
+}
+
+/// The mean squared error, in squared noise units, that the uncertainty of a fit's values makes one expect on held-out
+/// runs: `tr(J C J') / N` with the fit's covariance `C` and differences by a standard error for `J`.
+fn uncertainty(holdout: &Data, candidate: &Candidate, at: &Evaluation) -> Result<f64, Error> {
+    let fit = &candidate.fit;
+    let residual = |values: &[f64]| -> Result<Vec<f64>, Error> {
+        let moved = holdout.judge(candidate.model.as_ref(), values, fit.sensors())?;
+        Ok(moved.blocks.into_iter().flat_map(|b| b.residual).collect())
+    };
+    let here: Vec<f64> = at.blocks.iter().flat_map(|b| b.residual.iter().copied()).collect();
+    let columns: Vec<Vec<f64>> = fit
+        .free
+        .par_iter()
+        .map(|&i| {
+            let (p, std) = (&candidate.model.parameters()[i], fit.parameters[i].std);
+            let mut values = fit.values.clone();
+            let up = values[i] + std <= p.max;
+            values[i] = (values[i] + if up { std } else { -std }).clamp(p.min, p.max);
+            let sign = if up { 1.0 } else { -1.0 };
+            Ok(residual(&values)?.iter().zip(&here).map(|(a, b)| sign * (a - b)).collect())
+        })
+        .collect::<Result<_, Error>>()?;
+    let c = &fit.covariance;
+    let mut sum = 0.0;
+    for (i, a) in columns.iter().enumerate() {
+        for (j, b) in columns.iter().enumerate() {
+            let size = (c[(i, i)] * c[(j, j)]).sqrt();
+            if size > 0.0 {
+                sum += c[(i, j)] / size * crate::fit::dot(a, b);
+            }
+        }
+    }
+    Ok(sum.max(0.0) / here.len().max(1) as f64)
 }

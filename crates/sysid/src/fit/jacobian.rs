@@ -29,6 +29,8 @@ pub enum Difference {
     Forward,
     /// Two.
     Central,
+    /// None: what is known already, brought up to date by the steps since.
+    Secant,
 }
 
 /// Where a finite difference moves the coordinates, and how its columns become those by the coordinates.
@@ -55,11 +57,24 @@ const BARE_CHANGE: f64 = 30.0;
 impl Directions {
     /// One coordinate at a time, by its usual step.
     pub fn first(coordinates: &Coordinates) -> Self {
+        let moves = Self::one_by_one(coordinates);
+        Self { back: Self::back(&moves), moves }
+    }
+
+    fn one_by_one(coordinates: &Coordinates) -> Vec<DVector<f64>> {
         let n = coordinates.len();
         let unit =
             |k: usize| DVector::from_fn(n, |i, _| if i == k { coordinates.difference(k) } else { 0.0 });
-        let moves: Vec<_> = (0..n).map(unit).collect();
-        Self { back: Self::back(&moves), moves }
+        (0..n).map(unit).collect()
+    }
+
+    /// These coordinates alone, one at a time; the others' columns become 0.
+    pub fn only(coordinates: &Coordinates, chosen: &[usize]) -> Self {
+        let all = Self::one_by_one(coordinates);
+        let n = all.len();
+        let back =
+            DMatrix::from_fn(chosen.len(), n, |j, k| if chosen[j] == k { 1.0 / all[k][k] } else { 0.0 });
+        Self { moves: chosen.iter().map(|&k| all[k].clone()).collect(), back }
     }
 
     /// Along the principal directions of columns that were taken nearby (`raw`, and `projected` of what the
@@ -148,9 +163,9 @@ pub(crate) fn raw(
     how: Difference,
     along: &Directions,
 ) -> Vec<JacobianBlock> {
-    let count = coordinates.len();
+    let (count, moves) = (coordinates.len(), along.moves.len());
     let jobs: Vec<(usize, usize)> =
-        (0..count).flat_map(|k| (0..data.runs.len()).map(move |run| (k, run))).collect();
+        (0..moves).flat_map(|k| (0..data.runs.len()).map(move |run| (k, run))).collect();
     // For each job the columns of its run's channels; empty where neither side could be simulated.
     let columns: Vec<Vec<Vec<f64>>> = jobs
         .into_par_iter()
@@ -186,7 +201,7 @@ pub(crate) fn raw(
         .par_iter()
         .map(|block| {
             let by_direction: Vec<Option<&Vec<f64>>> =
-                (0..count).map(|k| columns[k * data.runs.len() + block.run].get(block.slot)).collect();
+                (0..moves).map(|k| columns[k * data.runs.len() + block.run].get(block.slot)).collect();
             JacobianBlock {
                 run: block.run,
                 channel: block.channel,
@@ -207,8 +222,8 @@ pub(crate) fn raw(
         .collect()
 }
 
-/// Derivative of a run's residuals from predictions at two coordinates.
-fn difference(
+/// Derivative of a run's residuals from predictions at two coordinates, the sensors as they are.
+pub(super) fn difference(
     data: &Data,
     at: &Evaluation,
     run: usize,

@@ -2,10 +2,12 @@
 
 use super::coordinates::{Bound, Coordinates};
 use super::jacobian::{self, Difference, Directions, JacobianBlock};
+use super::{FitOptions, KnownColumns, secant};
 use crate::Error;
 use crate::data::{Data, Evaluation};
 use nalgebra::{DMatrix, DVector};
 use sealegs_model::Model;
+use std::sync::Arc;
 
 /// A search and where it has got to; it can be continued.
 pub(super) struct Search {
@@ -21,13 +23,42 @@ pub(super) struct Search {
     difference: Difference,
     /// Columns taken last, bare and projected, for the steps of the next differences.
     last: Option<(Vec<JacobianBlock>, Vec<JacobianBlock>)>,
+    /// How the last columns were taken, if here: [`Difference::Secant`] if they were taken elsewhere.
+    taken: Difference,
+    /// What of [`FitOptions`] concerns derivatives, where secants do most of the work.
+    thrift: Option<Thrift>,
 }
+
+/// A search that simulates for derivatives only where it must.
+struct Thrift {
+    /// Columns to begin with.
+    columns: Option<Arc<KnownColumns>>,
+    /// The differences that say that nothing helps any more.
+    finest: Difference,
+    /// Whether the last columns still foresee what a step does.
+    trusted: bool,
+    /// What the last step had promised to gain.
+    promised: f64,
+}
+
+/// Steps that a race with secants tries at one place.
+const MOST_REFUSED: usize = 3;
+
+/// Share of the cost below which a gain does not matter to a race with secants.
+const RACED: f64 = 1e-3;
+
+/// Share of what the last step promised to gain, above which columns of secants are taken anew.
+const CREEP: f64 = 0.3;
 
 /// Above this error, in noise units, the model is wrong and its residual remembers: samples are then worth far
 /// less than their number, and a gain of [`RELATIVE`] of the cost is nothing.
 const WRONG: f64 = 1.5;
 /// See [`WRONG`].
 const RELATIVE: f64 = 1e-5;
+
+/// Steps that promise less than this, in units of the mean squared residual (at least 1), leave columns of derivatives
+/// as good as they were: 0.5 is one standard error of a parameter.
+const SMALL: f64 = 0.5;
 
 /// Steps are given up when damping has grown beyond this.
 const MOST_DAMPING: f64 = 1e9;
@@ -52,7 +83,20 @@ impl Search {
             damping: 1e-3,
             difference: Difference::Forward,
             last: None,
+            taken: Difference::Secant,
+            thrift: None,
         })
+    }
+
+    /// The same search with derivatives as these options want them.
+    pub fn with(mut self, options: &FitOptions) -> Self {
+        self.thrift = options.secants.then(|| Thrift {
+            columns: options.columns.clone(),
+            finest: options.difference,
+            trusted: true,
+            promised: f64::INFINITY,
+        });
+        self
     }
 
     /// Derivatives here: bare, and with what the sensors can take up projected out.
@@ -72,6 +116,11 @@ impl Search {
         let principal = |(raw, projected): &(Vec<JacobianBlock>, Vec<JacobianBlock>)| {
             Directions::principal(coordinates, &self.u, raw, projected, how)
         };
+        if let Some((raw, projected)) =
+            self.last.as_ref().filter(|_| self.thrift.is_some() && self.is_taken(how))
+        {
+            return (raw.clone(), projected.clone());
+        }
         match &self.last {
             Some(last) => along(how, &principal(last)),
             None if how == Difference::Forward => along(how, &Directions::first(coordinates)),
@@ -96,12 +145,46 @@ impl Search {
                 return;
             }
             self.steps += 1;
-            let (raw, projected) = self.derivatives(data, model, coordinates, self.difference);
+            let (raw, projected) = match self.without_simulations(data, model, coordinates) {
+                Some(columns) => columns,
+                None => {
+                    let columns = self.derivatives(data, model, coordinates, self.difference);
+                    self.taken = self.difference;
+                    columns
+                }
+            };
             let (mut a, mut g) = jacobian::normal(&projected, &raw, &self.evaluation);
             self.last = Some((raw, projected));
             add_priors(coordinates, &self.u, &mut a, &mut g);
             self.step(data, model, coordinates, &a, &g, tolerance);
         }
+    }
+
+    /// Whether the last columns were taken here, and as well as this or better.
+    fn is_taken(&self, how: Difference) -> bool {
+        how == Difference::Secant || self.taken == Difference::Central || self.taken == how
+    }
+
+    /// The columns that a search with secants has without taking them all.
+    fn without_simulations(
+        &mut self,
+        data: &Data,
+        model: &dyn Model,
+        coordinates: &Coordinates,
+    ) -> Option<(Vec<JacobianBlock>, Vec<JacobianBlock>)> {
+        let thrift = self.thrift.as_ref().filter(|t| t.trusted)?;
+        if let Some(last) = self.last.take() {
+            return Some(last);
+        }
+        let known = thrift.columns.as_ref()?;
+        let missing = known.missing(coordinates, &self.evaluation);
+        let along = Directions::only(coordinates, &missing);
+        let how = Difference::Forward;
+        let mut raw = jacobian::raw(data, model, &self.evaluation, coordinates, &self.u, how, &along);
+        known.fill(coordinates, &self.evaluation, &mut raw);
+        let mut projected = raw.clone();
+        jacobian::project(data, &self.evaluation, &mut projected);
+        Some((raw, projected))
     }
 
     /// One accepted step, or the end.
@@ -118,7 +201,13 @@ impl Search {
         if self.evaluation.rms > WRONG {
             enough = enough.max(RELATIVE * self.cost);
         }
-        while self.damping < MOST_DAMPING {
+        // A race is not won by what no longer foresees a step.
+        let races = self.thrift.as_ref().is_some_and(|t| t.finest == Difference::Secant);
+        if races {
+            enough = enough.max(RACED * self.cost);
+        }
+        let mut refused = 0;
+        while self.damping < MOST_DAMPING && !(races && refused == MOST_REFUSED) {
             let (moved, promised) = match proposal(coordinates, &self.u, a, g, self.damping) {
                 Proposal::Step(moved, promised) => (moved, promised),
                 Proposal::Singular => {
@@ -130,12 +219,23 @@ impl Search {
             if promised < enough {
                 break;
             }
+            let taken = self.taken;
             if let Some(gained) = self.accept(data, model, coordinates, moved, enough) {
+                if promised < SMALL * self.evaluation.rms.powi(2).max(1.0) {
+                    self.taken = taken;
+                }
                 // A step that kept its promise deserves more trust. Valleys that only a prior closes are
                 // a million times flatter than their walls: damping must be able to vanish.
                 let kept = gained / promised;
-                if kept < 0.5 {
-                    self.difference = Difference::Central;
+                match &mut self.thrift {
+                    Some(thrift) => {
+                        // Secants that have missed a direction creep along it.
+                        let creeps = promised > CREEP * thrift.promised;
+                        thrift.trusted = (kept > 0.5 && !creeps) || thrift.finest == Difference::Secant;
+                        thrift.promised = if creeps { f64::INFINITY } else { promised };
+                    }
+                    None if kept < 0.5 => self.difference = Difference::Central,
+                    None => {}
                 }
                 self.damping *= match kept {
                     r if r > 0.5 => 0.03,
@@ -145,6 +245,7 @@ impl Search {
                 self.damping = self.damping.max(1e-12);
                 return;
             }
+            refused += 1;
             self.damping = (self.damping * 30.0).max(1e-10);
         }
         if self.difference == Difference::Central
@@ -153,10 +254,20 @@ impl Search {
             self.damping = 1e-3;
             return;
         }
-        // Nothing helps, as far as forward differences can tell.
+        // Nothing helps, as far as these columns can tell.
         self.damping = 1e-3;
-        self.converged = self.difference == Difference::Central;
-        self.difference = Difference::Central;
+        match &mut self.thrift {
+            Some(thrift) if thrift.finest == Difference::Secant => self.converged = true,
+            Some(thrift) if self.taken != thrift.finest && self.taken != Difference::Central => {
+                thrift.trusted = false;
+                self.difference = thrift.finest;
+            }
+            Some(_) => self.converged = true,
+            None => {
+                self.converged = self.difference == Difference::Central;
+                self.difference = Difference::Central;
+            }
+        }
     }
 }
 
@@ -223,8 +334,19 @@ impl Search {
         if gained <= 0.0 || gained.is_nan() {
             return None;
         }
-        (self.u, self.evaluation, self.cost) = (moved, evaluation, cost);
         self.converged = gained < enough;
+        if self.thrift.is_some() {
+            if let Some((raw, projected)) = &mut self.last {
+                let (before, after) = ((&self.evaluation, &self.u[..]), (&evaluation, &moved[..]));
+                secant::update(raw, data, coordinates, before, after);
+                projected.clone_from(raw);
+                jacobian::project(data, &evaluation, projected);
+            }
+            // Columns from elsewhere cannot say that this is the end.
+            self.converged &= self.taken != Difference::Secant;
+            self.taken = Difference::Secant;
+        }
+        (self.u, self.evaluation, self.cost) = (moved, evaluation, cost);
         Some(gained)
     }
 }
@@ -273,7 +395,9 @@ fn proposal(
         let rhs = DVector::from_fn(n, |i, _| -g[moving[i]]);
         let Some(cholesky) = damped.cholesky() else { return Proposal::Singular };
         let mut step = cholesky.solve(&rhs);
-        let excess = (0..n).map(|i| step[i].abs() / coordinates.largest_step(moving[i])).fold(1.0, f64::max);
+        let excess = (0..n)
+            .map(|i| step[i].abs() / coordinates.largest_step(moving[i], u[moving[i]]))
+            .fold(1.0, f64::max);
         step /= excess;
         let blocked = (0..n).find(|&i| outward(coordinates, moving[i], u[moving[i]], step[i]));
         if let Some(i) = blocked {

@@ -16,12 +16,14 @@
 mod coordinates;
 mod jacobian;
 mod levenberg;
+mod secant;
 mod signature;
 mod uncertainty;
 
 pub use coordinates::Bound;
 pub(crate) use jacobian::dot;
 pub use jacobian::{Difference, JacobianBlock};
+pub use secant::KnownColumns;
 pub use signature::Signatures;
 
 use crate::data::{Data, Evaluation};
@@ -30,6 +32,7 @@ use coordinates::Coordinates;
 use levenberg::Search;
 use nalgebra::DMatrix;
 use sealegs_model::Model;
+use std::sync::Arc;
 
 /// How a fit is done.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +52,11 @@ pub struct FitOptions {
     pub difference: Difference,
     /// Only parameters whose name begins so are free; all others keep the start's values.
     pub only: Option<String>,
+    /// Whether a step that keeps its promise brings the derivatives up to date by itself, in place of a simulation
+    /// for every parameter; they are then simulated only where a step fails, and at the end.
+    pub secants: bool,
+    /// Derivatives that are known from nearby, to begin with.
+    pub columns: Option<Arc<KnownColumns>>,
 }
 
 impl Default for FitOptions {
@@ -61,6 +69,33 @@ impl Default for FitOptions {
             tolerance: 1e-3,
             difference: Difference::Central,
             only: None,
+            secants: false,
+            columns: None,
+        }
+    }
+}
+
+/// Free parameters beyond which derivatives are dear, as they take a simulation each: a whole leg has more.
+const MANY_PARAMETERS: usize = 15;
+
+/// Gain of a step with which such a fit is content (see [`FitOptions::tolerance`]).
+const DEAR_TOLERANCE: f64 = 0.3;
+
+/// Whether a model has so many free parameters that derivatives are to be taken no more often than they must.
+#[must_use]
+pub fn has_many_parameters(model: &dyn Model) -> bool {
+    model.parameters().iter().filter(|p| !p.fixed).count() > MANY_PARAMETERS
+}
+
+impl FitOptions {
+    /// What suits a model.
+    #[must_use]
+    pub fn of(model: &dyn Model) -> Self {
+        let usual = Self::default();
+        if has_many_parameters(model) {
+            Self { secants: true, tolerance: DEAR_TOLERANCE, ..usual }
+        } else {
+            usual
         }
     }
 }
@@ -229,7 +264,7 @@ fn fit_from(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit,
     let mut failure = None;
     for start in starts(&coordinates, &first, options.starts) {
         match Search::new(data, model, &coordinates, &start) {
-            Ok(search) => searches.push(search),
+            Ok(search) => searches.push(search.with(options)),
             Err(error) => failure = failure.or(Some(error)),
         }
     }

@@ -210,7 +210,9 @@ impl Actuator {
         } else {
             self.rotor.y_m - (self.reach.length_m - self.rest_length_m)
         };
-        let mut spring = self.laws.spring_force(c.stiffness, deflection, speed - rate);
+        let deflecting = speed - rate;
+        let mut spring =
+            self.laws.spring_force_over(c.stiffness, deflection, deflecting, deflecting * step_s);
         if let Some(element) = self.laws.spring_slip {
             self.spring_slip_n = element.advance(self.spring_slip_n, deflection - self.deflection_before_m);
             spring += self.spring_slip_n;

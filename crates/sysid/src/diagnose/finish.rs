@@ -1,0 +1,153 @@
+//! What leads a race is fitted to the end: further steps, other starts where it came to rest on its way, and at last
+//! the model itself in the place of the search's coarser one.
+
+use super::search::{AT_FLOOR, FINAL_STEPS, Search};
+use super::{Candidate, with_effects};
+use crate::fit::{FitOptions, FittedParameter, fit};
+use rayon::prelude::*;
+
+/// Prior standard deviations from its nominal value beyond which a base parameter is suspected to have been driven there.
+const FAR: f64 = 2.5;
+
+/// Ratios by which a parameter of an effect is moved to look for a better valley.
+const SHAKES: [f64; 16] =
+    [0.6, 0.7, 0.78, 0.84, 0.89, 0.93, 0.96, 0.98, 1.02, 1.04, 1.07, 1.12, 1.18, 1.27, 1.4, 1.6];
+
+/// Times that a better valley is looked for.
+const ROUNDS: usize = 3;
+
+/// Most steps with the model itself where derivatives are dear: by then they gain less than a parameter's error.
+const DEAR_STEPS: usize = 8;
+
+/// Share of the cost that another valley must gain at once.
+const BETTER: f64 = 0.02;
+
+impl Search<'_> {
+    /// A candidate whose fit has converged, if it can.
+    pub(super) fn finished(&self, candidate: Candidate) -> Candidate {
+        // With secants alone an end is only a guess.
+        if candidate.fit.converged && !self.options.secants {
+            return candidate;
+        }
+        let known = candidate.known();
+        let effort = self.options.effort(&candidate, FINAL_STEPS);
+        Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, &effort)
+            .ok()
+            .filter(|f| f.fit.cost <= candidate.fit.cost)
+            .unwrap_or(candidate)
+    }
+
+    /// The candidate, or its fit from the base parameters' nominal values if that is better: without an effect a wrong
+    /// model may have driven them so far that a search from there comes to rest half way back.
+    pub(super) fn returned(&self, candidate: Candidate) -> Candidate {
+        let driven = |p: &FittedParameter| {
+            let far = p.prior_std.is_some_and(|std| (p.value - p.nominal).abs() > FAR * std);
+            !p.fixed && (p.at_bound.is_some() || far)
+        };
+        let base = self.base.parameters();
+        let at_floor = candidate.fit.error() <= AT_FLOOR * self.floor;
+        if at_floor || !candidate.fit.parameters[..base.len()].iter().any(driven) {
+            return candidate;
+        }
+        let mut known = candidate.known();
+        for (entry, p) in known.iter_mut().zip(base).filter(|(_, p)| !p.fixed) {
+            entry.1 = p.value;
+        }
+        let effort = self.options.effort(&candidate, FINAL_STEPS);
+        Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, &effort)
+            .ok()
+            .filter(|f| f.fit.cost < candidate.fit.cost)
+            .unwrap_or(candidate)
+    }
+
+    /// The candidate, or its fit from a better valley nearby: where contact is made and broken or a rotor sticks, the
+    /// error has many along a parameter of the effect, and steps down a slope lead to the nearest one.
+    pub(super) fn shaken(&self, mut candidate: Candidate) -> Candidate {
+        for _ in 0..ROUNDS {
+            if candidate.fit.error() <= AT_FLOOR * self.floor {
+                break;
+            }
+            let parameters = candidate.model.parameters();
+            let own = (self.base.parameters().len()..parameters.len()).filter(|&i| !parameters[i].fixed);
+            let moved: Vec<Vec<f64>> = own
+                .flat_map(|i| {
+                    let values = &candidate.fit.values;
+                    SHAKES.iter().filter_map(move |ratio| {
+                        let mut moved = values.clone();
+                        moved[i] = (values[i] * ratio).clamp(parameters[i].min, parameters[i].max);
+                        (moved[i] != values[i]).then_some(moved)
+                    })
+                })
+                .collect();
+            let costs: Vec<f64> = moved
+                .par_iter()
+                .map(|v| self.data.evaluate(candidate.model.as_ref(), v).map_or(f64::INFINITY, |e| e.cost))
+                .collect();
+            let Some(best) = (0..moved.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a }) else {
+                break;
+            };
+            if costs[best] > (1.0 - BETTER) * candidate.fit.cost {
+                break;
+            }
+            let known = candidate.fit.parameters.iter().zip(&moved[best]);
+            let known: Vec<(String, f64)> = known.map(|(p, v)| (p.name.clone(), *v)).collect();
+            let effort = self.options.effort(&candidate, FINAL_STEPS);
+            match Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, &effort) {
+                Ok(fitted) if fitted.fit.cost < candidate.fit.cost => candidate = fitted,
+                _ => break,
+            }
+        }
+        candidate
+    }
+
+    /// The candidate under the discrete choice that fits best; of choices whose costs differ by no more than
+    /// `equal`, the first.
+    pub(super) fn with_best_choice(&self, candidate: Candidate, equal: f64) -> Candidate {
+        let choices = crate::fit::choices(self.base);
+        let parameters = self.base.parameters();
+        let discrete: Vec<usize> = (0..parameters.len())
+            .filter(|&i| parameters[i].fixed && !parameters[i].starts.is_empty())
+            .collect();
+        if discrete.is_empty() {
+            return candidate;
+        }
+        let mut all: Vec<Candidate> = Vec::new();
+        for choice in choices {
+            let mut known = candidate.known();
+            let mut same = true;
+            for &i in &discrete {
+                let Some(entry) = known.iter_mut().find(|(name, _)| *name == parameters[i].name) else {
+                    continue;
+                };
+                same &= entry.1 == choice[i];
+                entry.1 = choice[i];
+            }
+            if same {
+                all.push(candidate.clone());
+            } else {
+                let effects = &candidate.effects;
+                let effort = self.options.effort(&candidate, FINAL_STEPS);
+                all.extend(Candidate::fitted(self.data, self.base, effects, self.seen, &known, &effort).ok());
+            }
+        }
+        let least = all.iter().map(|c| c.fit.cost).fold(f64::INFINITY, f64::min);
+        all.into_iter().find(|c| c.fit.cost <= least + equal).unwrap_or(candidate)
+    }
+
+    /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors.
+    pub(super) fn polished(&self, candidate: &Candidate) -> Candidate {
+        let options = FitOptions {
+            start: Some(candidate.fit.values.clone()),
+            columns: self.options.secants.then(|| candidate.columns()),
+            starts: 1,
+            max_steps: if self.options.secants { DEAR_STEPS } else { FitOptions::default().max_steps },
+            ..FitOptions::of(self.exact)
+        };
+        with_effects(self.exact, &candidate.effects, self.seen)
+            .and_then(|model| fit(self.data, model.as_ref(), &options).map(|fit| (model, fit)))
+            .map_or_else(
+                |_| candidate.clone(),
+                |(model, fit)| Candidate::exactly(candidate.effects.clone(), model, fit),
+            )
+    }
+}
