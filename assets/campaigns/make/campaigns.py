@@ -68,7 +68,7 @@ def bench(seed, effects, duration=10.0, rate=500.0):
 
 SHIPPED = {
     "leg-drop": leg(11, DROPS, {"knee/coulomb-friction": {"force_n": 45.0}}, 4.0),
-    "leg-swing": leg(12, swings(1.1), {"ankle_outer/backlash": {"gap_m": 4.0e-4}}, 2.0),
+    "leg-swing": leg(12, swings(1.1), {"ankle_outer/backlash": {"gap_m": 8.0e-5}}, 2.0),
     "leg-clean": leg(13, CLEAN_DROPS, {}, 4.0),
     "bench-knee": bench(14, {"spring-hysteresis": {"stiffness_n_m": 60e3, "slip_force_n": 12.0}}),
 }

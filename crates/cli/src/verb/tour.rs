@@ -4,6 +4,8 @@ use crate::failure::bad_input;
 use crate::output::Destination;
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
+use sealegs_recorder::chart::{Axis, Bar, BarChart, Hue};
+use sealegs_recorder::report::{Report, Tone};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -102,7 +104,10 @@ pub fn run(arguments: &Tour) -> anyhow::Result<u8> {
         for (model, file) in [(MODEL, &before), (better.as_str(), &after)] {
             step(&["impact", model, "--heights", HEIGHTS, "--springs", "compliant", "--json", file])?;
         }
-        impact = Some(impact_lines(&read(&before)?, &read(&after)?));
+        let place_of = effects[0].split('/').next().unwrap_or_default();
+        let peaks = peaks(&read(&before)?, &read(&after)?, place_of);
+        Destination::new(&folder.join("5-impact.html"))?.write(impact_page(&peaks, &effects).as_bytes())?;
+        impact = Some(lines(&peaks));
     }
     let page = summary(&diagnosis, &effects, impact.as_deref(), started.elapsed().as_secs_f64());
     let file = folder.join("summary.md");
@@ -138,28 +143,87 @@ fn names(list: &Value) -> Vec<String> {
     list.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()
 }
 
-/// A table of peak forces without and with what was found, a line for each drop and place.
-fn impact_lines(before: &Value, after: &Value) -> String {
-    let mut text =
-        String::from("| drop, m | peak of | before, N | after, N | change |\n|---|---|---|---|---|\n");
+/// A peak force at a drop, without and with what was found.
+struct Peak {
+    what: String,
+    before_n: f64,
+    after_n: f64,
+}
+
+impl Peak {
+    fn change(&self) -> f64 {
+        100.0 * (self.after_n / self.before_n - 1.0)
+    }
+}
+
+/// The peak forces of the ground and of the actuator that was named, drop by drop.
+fn peaks(before: &Value, after: &Value, actuator: &str) -> Vec<Peak> {
+    let mut peaks = Vec::new();
     let rows = |v: &Value| v["rows"].as_array().cloned().unwrap_or_default();
     for (b, a) in rows(before).iter().zip(&rows(after)) {
-        let mut line = |what: &str, b: &Value, a: &Value| {
-            if let (Some(b), Some(a)) = (b.as_f64(), a.as_f64()) {
-                let change = 100.0 * (a / b - 1.0);
-                let _ = writeln!(text, "| {what} | {b:.0} | {a:.0} | {change:+.1} % |");
+        let height = b["height_m"].as_f64().unwrap_or(f64::NAN);
+        let mut peak = |what: &str, b: &Value, a: &Value| {
+            if let (Some(before_n), Some(after_n)) = (b.as_f64(), a.as_f64()) {
+                peaks.push(Peak { what: format!("{what}, drop from {height:.2} m"), before_n, after_n });
             }
         };
-        let height = b["height_m"].as_f64().unwrap_or(f64::NAN);
-        line(&format!("{height:.2} | ground force"), &b["ground_force_n"], &a["ground_force_n"]);
+        peak("ground force", &b["ground_force_n"], &a["ground_force_n"]);
         let actuators = |v: &Value| v["actuators"].as_array().cloned().unwrap_or_default();
         for (x, y) in actuators(b).iter().zip(&actuators(a)) {
-            if x["name"] == "knee" {
-                line(&format!("{height:.2} | knee F1"), &x["force_1_n"], &y["force_1_n"]);
+            if x["name"] == actuator {
+                peak(&format!("{actuator} F1"), &x["force_1_n"], &y["force_1_n"]);
             }
         }
     }
+    peaks
+}
+
+/// The peaks as lines of a table.
+fn lines(peaks: &[Peak]) -> String {
+    let mut text = String::from("| peak of | before, N | after, N | change |\n|---|---|---|---|\n");
+    for p in peaks {
+        let _ =
+            writeln!(text, "| {} | {:.0} | {:.0} | {:+.1} % |", p.what, p.before_n, p.after_n, p.change());
+    }
     text
+}
+
+/// The peaks as a page with their picture.
+fn impact_page(peaks: &[Peak], effects: &[String]) -> String {
+    let bars = peaks
+        .iter()
+        .map(|p| Bar {
+            label: p.what.clone(),
+            values: vec![p.before_n, p.after_n],
+            text: format!("{:+.1} %", p.change()),
+        })
+        .collect();
+    let chart = BarChart {
+        title: "Predicted peak forces at impact".to_owned(),
+        axis: Axis::new("peak force", "N"),
+        series: vec![
+            ("model as it was".to_owned(), Hue::Vermillion),
+            (format!("with {}", effects.join(" + ")), Hue::Blue),
+        ],
+        bars,
+    };
+    let mut page = Report::new("What the missing effect costs at impact");
+    if let Some(worst) = peaks.iter().reduce(|a, b| if b.change().abs() > a.change().abs() { b } else { a }) {
+        let sentence = format!(
+            "Without {} the model predicts {:.0} N for the {}; with it {:.0} N ({:+.1} %).",
+            effects.join(" + "),
+            worst.before_n,
+            worst.what,
+            worst.after_n,
+            worst.change()
+        );
+        page.verdict(Tone::Neutral, &sentence, "");
+    }
+    page.figure(
+        &chart,
+        "Greatest value of each force in the drop. The percentage is the change that the effect makes.",
+    );
+    page.to_html()
 }
 
 /// The page that sums the tour up.
@@ -195,7 +259,7 @@ fn summary(diagnosis: &Value, effects: &[String], impact: Option<&str>, seconds:
     }
     let _ = writeln!(
         page,
-        "\nFiles: `1-drop.rrd` and `3-diagnose.rrd` (Rerun), `2-compare.html`, `3-diagnose.html` (any browser), \
+        "\nFiles: `1-drop.rrd` and `3-diagnose.rrd` (Rerun), `2-compare.html`, `3-diagnose.html`, `5-impact.html` (any browser), \
          `better.toml` (the model with it: `sealegs run better.toml`). {seconds:.0} s."
     );
     page

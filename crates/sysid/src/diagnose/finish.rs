@@ -13,9 +13,6 @@ const FAR: f64 = 2.5;
 const SHAKES: [f64; 16] =
     [0.6, 0.7, 0.78, 0.84, 0.89, 0.93, 0.96, 0.98, 1.02, 1.04, 1.07, 1.12, 1.18, 1.27, 1.4, 1.6];
 
-/// Times that a better valley is looked for.
-const ROUNDS: usize = 3;
-
 /// Most steps with the model itself where derivatives are dear: by then they gain less than a parameter's error.
 const DEAR_STEPS: usize = 8;
 
@@ -63,7 +60,7 @@ impl Search<'_> {
     /// The candidate, or its fit from a better valley nearby: where contact is made and broken or a rotor sticks, the
     /// error has many along a parameter of the effect, and steps down a slope lead to the nearest one.
     pub(super) fn shaken(&self, mut candidate: Candidate) -> Candidate {
-        for _ in 0..ROUNDS {
+        for _ in 0..self.options.valleys {
             if candidate.fit.error() <= AT_FLOOR * self.floor {
                 break;
             }

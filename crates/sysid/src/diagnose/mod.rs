@@ -51,6 +51,9 @@ pub struct Options {
     pub race_steps: usize,
     /// Whether fits make do with derivatives that are known nearby as far as they go (see [`FitOptions::secants`]).
     pub secants: bool,
+    /// Times that a better valley is looked for around the leader of a shortlist. On a bench starts are cheap, and there
+    /// are many instead; what fits best is not what foresees best, and one valley too many has led astray there.
+    pub valleys: usize,
     /// Fits of a shortlist that go on to the end.
     pub finishers: usize,
     /// Single effects that pairs grow from.
@@ -74,6 +77,7 @@ impl Default for Options {
             shortlist_later: 8,
             race_steps: 4,
             secants: false,
+            valleys: 0,
             finishers: 5,
             beam_first: 4,
             beam: 2,
@@ -99,6 +103,7 @@ impl Options {
             // Steps are cheap, derivatives are not.
             race_steps: 8,
             secants: true,
+            valleys: 3,
             shortlist: 6,
             shortlist_later: 3,
             // A law that contains the right one fits as well: the simpler must be fitted to the end, too.

@@ -66,6 +66,8 @@ struct Plan {
     known: Vec<(String, f64)>,
     /// Predicted cost.
     cost: f64,
+    /// The candidate that it grows from.
+    from: usize,
 }
 
 impl Search<'_> {
@@ -172,6 +174,7 @@ impl Search<'_> {
                     effects: self.with(&beside.effects, &promise.effect),
                     known,
                     cost: beside.fit.cost - drop,
+                    from,
                 }
             })
             .collect()
@@ -182,16 +185,39 @@ impl Search<'_> {
         self.admitted.iter().filter(|id| chosen(id)).cloned().collect()
     }
 
+    /// The sets that are fitted: those of lowest predicted cost that were not fitted yet, from each candidate that they
+    /// grow from in turn, the best of these first. What fits much and foresees nothing must not take all the places.
+    fn shortlist(&self, plans: &[Plan], most: usize) -> Vec<Vec<String>> {
+        let mut parents: Vec<usize> = Vec::new();
+        for plan in plans {
+            if !parents.contains(&plan.from) {
+                parents.push(plan.from);
+            }
+        }
+        parents.sort_by(|&a, &b| self.mean_square(a).total_cmp(&self.mean_square(b)));
+        let mut queues: Vec<_> =
+            parents.iter().map(|&p| plans.iter().filter(move |plan| plan.from == p)).collect();
+        let mut sets: Vec<Vec<String>> = Vec::new();
+        let mut left = true;
+        while left && sets.len() < most {
+            left = false;
+            for queue in &mut queues {
+                let new = queue.find(|plan| {
+                    !sets.contains(&plan.effects) && self.tried.iter().all(|t| t.effects != plan.effects)
+                });
+                if let Some(plan) = new.filter(|_| sets.len() < most) {
+                    sets.push(plan.effects.clone());
+                    left = true;
+                }
+            }
+        }
+        sets
+    }
+
     /// Fits the `most` sets of lowest predicted cost that were not fitted yet; returns their indices.
     fn fit_best(&mut self, mut plans: Vec<Plan>, most: usize) -> Vec<usize> {
         plans.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        let mut sets: Vec<Vec<String>> = Vec::new();
-        for plan in &plans {
-            let known = self.tried.iter().any(|t| t.effects == plan.effects);
-            if !known && !sets.contains(&plan.effects) && sets.len() < most {
-                sets.push(plan.effects.clone());
-            }
-        }
+        let sets = self.shortlist(&plans, most);
         (self.progress)(Progress::Fitting { sets: sets.clone() });
         let (data, base, seen, options) = (self.data, self.base, self.seen, self.options);
         let race = Effort {
@@ -348,6 +374,7 @@ impl Search<'_> {
         let tied = equal
             .into_iter()
             .skip(1)
+            .filter(|&i| self.tried[i].effects.len() <= own.len() || own.is_empty())
             .filter(|&i| own.is_empty() || !own.iter().all(|e| self.tried[i].effects.contains(e)))
             .collect();
         (chosen, tied)

@@ -74,10 +74,9 @@ impl Coordinates {
         if self.logarithmic(k) { 2e-4 } else { 2e-3 }
     }
 
-    /// The largest step that a search may take at once from `u`: a factor of 4.5, or ten typical changes; where the
-    /// value has grown far beyond those, half of it.
-    pub fn largest_step(&self, k: usize, u: f64) -> f64 {
-        if self.logarithmic(k) { 1.5 } else { (0.5 * u.abs()).max(10.0) }
+    /// The largest step that a search may take at once: ten typical changes, a factor of 4.5.
+    pub fn largest_step(&self, k: usize) -> f64 {
+        if self.logarithmic(k) { 1.5 } else { 10.0 }
     }
 
     /// All values, the fixed ones as given.

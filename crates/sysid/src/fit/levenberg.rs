@@ -395,9 +395,7 @@ fn proposal(
         let rhs = DVector::from_fn(n, |i, _| -g[moving[i]]);
         let Some(cholesky) = damped.cholesky() else { return Proposal::Singular };
         let mut step = cholesky.solve(&rhs);
-        let excess = (0..n)
-            .map(|i| step[i].abs() / coordinates.largest_step(moving[i], u[moving[i]]))
-            .fold(1.0, f64::max);
+        let excess = (0..n).map(|i| step[i].abs() / coordinates.largest_step(moving[i])).fold(1.0, f64::max);
         step /= excess;
         let blocked = (0..n).find(|&i| outward(coordinates, moving[i], u[moving[i]], step[i]));
         if let Some(i) = blocked {
