@@ -37,7 +37,7 @@ pub struct Options {
     pub starts: usize,
     /// The same beside a model with effects.
     pub starts_later: usize,
-    /// Starting values that every effect gets at first, the most promising [`screen::LEADERS`] all of them.
+    /// Starting values that every effect gets at first, the most promising ones all of them.
     pub starts_first: usize,
     /// Periodic effects, the most promising ones, that are fitted for a few steps before they are ranked.
     pub periodic_raced: usize,

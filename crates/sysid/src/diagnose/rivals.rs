@@ -16,10 +16,13 @@ const SECOND_CHANCES: usize = 3;
 /// Starting values of each rival that are simulated.
 const STARTS: usize = 4;
 
+/// Values by the parameters' names.
+type Known = Vec<(String, f64)>;
+
 /// A set that differs from the best in one member, at the best of its starting values.
 struct Rival {
     effects: Vec<String>,
-    known: Vec<(String, f64)>,
+    known: Known,
     cost: f64,
 }
 
@@ -59,7 +62,7 @@ impl Search<'_> {
         let most = count(&known, leaving);
         let Some(without) = self.index_of(&rest, best) else { return Vec::new() };
         let promises = self.screen_beside(without, 2);
-        let others: Vec<(Vec<String>, Vec<Vec<(String, f64)>>)> = promises
+        let others: Vec<(Vec<String>, Vec<Known>)> = promises
             .iter()
             .filter(|p| p.effect != leaving && p.drop > 0.0)
             .filter(|p| p.starts.first().is_some_and(|(_, start)| start.len() <= most))
@@ -75,7 +78,7 @@ impl Search<'_> {
         for (effects, mut starts) in others {
             // Laws of one family call the same thing by the same name.
             if let Some(first) = starts.first() {
-                let alike: Vec<(String, f64)> = first
+                let alike: Known = first
                     .iter()
                     .map(|(name, value)| {
                         let own = name.rsplit('.').next().unwrap_or(name);
@@ -93,17 +96,12 @@ impl Search<'_> {
     }
 
     /// A set at the one of these starting values that explains most, with the other values as known.
-    fn best_start(
-        &self,
-        effects: Vec<String>,
-        known: &[(String, f64)],
-        starts: Vec<Vec<(String, f64)>>,
-    ) -> Option<Rival> {
+    fn best_start(&self, effects: Vec<String>, known: &[(String, f64)], starts: Vec<Known>) -> Option<Rival> {
         let model = with_effects(self.base, &effects, self.seen).ok()?;
-        let tried: Vec<(f64, Vec<(String, f64)>)> = starts
+        let tried: Vec<(f64, Known)> = starts
             .into_par_iter()
             .filter_map(|start| {
-                let all: Vec<(String, f64)> = known.iter().cloned().chain(start).collect();
+                let all: Known = known.iter().cloned().chain(start).collect();
                 let values = values_by_name(model.as_ref(), &all);
                 let cost = self.data.evaluate(model.as_ref(), &values).ok()?.cost;
                 cost.is_finite().then_some((cost, all))

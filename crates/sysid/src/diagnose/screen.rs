@@ -49,12 +49,12 @@ impl Promise {
 pub struct Starts {
     /// At most.
     pub most: usize,
-    /// At first; only the [`LEADERS`] then get all of them.
+    /// At first; only the most promising effects then get all of them.
     pub first: usize,
 }
 
 /// Effects that get all their starting values where each gets few at first.
-pub const LEADERS: usize = 24;
+const LEADERS: usize = 24;
 
 /// Screens effects beside a candidate.
 ///
