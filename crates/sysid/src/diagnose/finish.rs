@@ -37,24 +37,35 @@ impl Search<'_> {
     /// The candidate, or its fit from the base parameters' nominal values if that is better: without an effect a wrong
     /// model may have driven them so far that a search from there comes to rest half way back.
     pub(super) fn returned(&self, candidate: Candidate) -> Candidate {
-        let driven = |p: &FittedParameter| {
-            let far = p.prior_std.is_some_and(|std| (p.value - p.nominal).abs() > FAR * std);
-            !p.fixed && (p.at_bound.is_some() || far)
-        };
-        let base = self.base.parameters();
         let at_floor = candidate.fit.error() <= AT_FLOOR * self.floor;
-        if at_floor || !candidate.fit.parameters[..base.len()].iter().any(driven) {
+        if at_floor || !self.is_driven(&candidate) {
             return candidate;
         }
-        let mut known = candidate.known();
-        for (entry, p) in known.iter_mut().zip(base).filter(|(_, p)| !p.fixed) {
-            entry.1 = p.value;
-        }
+        let known = self.from_nominal(candidate.known());
         let effort = self.options.effort(&candidate, FINAL_STEPS);
         Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, &effort)
             .ok()
             .filter(|f| f.fit.cost < candidate.fit.cost)
             .unwrap_or(candidate)
+    }
+
+    /// Whether a fit has driven a base parameter to a bound, or far from its nominal value.
+    pub(super) fn is_driven(&self, candidate: &Candidate) -> bool {
+        let driven = |p: &FittedParameter| {
+            let far = p.prior_std.is_some_and(|std| (p.value - p.nominal).abs() > FAR * std);
+            !p.fixed && (p.at_bound.is_some() || far)
+        };
+        candidate.fit.parameters[..self.base.parameters().len()].iter().any(driven)
+    }
+
+    /// The same values with the nominal ones of the base parameters.
+    pub(super) fn from_nominal(&self, mut known: Vec<(String, f64)>) -> Vec<(String, f64)> {
+        for p in self.base.parameters().iter().filter(|p| !p.fixed) {
+            for entry in known.iter_mut().filter(|(name, _)| *name == p.name) {
+                entry.1 = p.value;
+            }
+        }
+        known
     }
 
     /// The candidate, or its fit from a better valley nearby: where contact is made and broken or a rotor sticks, the

@@ -227,11 +227,16 @@ impl Search<'_> {
         let raced: Vec<Option<Candidate>> = sets
             .par_iter()
             .map(|set| {
-                plans
-                    .iter()
-                    .filter(|p| p.effects == *set)
+                let of_set = || plans.iter().filter(|p| p.effects == *set);
+                // Where a wrong model has driven the base parameters far, a search with the right effect may not find back.
+                let lost =
+                    of_set().next().filter(|p| !options.secants && self.is_driven(&self.tried[p.from]));
+                let nominal = lost.map(|p| self.from_nominal(p.known.clone()));
+                of_set()
                     .take(options.starts_fitted)
-                    .filter_map(|p| Candidate::fitted(data, base, set, seen, &p.known, &race).ok())
+                    .map(|p| &p.known)
+                    .chain(&nominal)
+                    .filter_map(|known| Candidate::fitted(data, base, set, seen, known, &race).ok())
                     .reduce(|best, other| if other.fit.cost < best.fit.cost { other } else { best })
             })
             .collect();
