@@ -41,7 +41,7 @@ impl Search<'_> {
         if at_floor || !self.is_driven(&candidate) {
             return candidate;
         }
-        let known = self.from_nominal(candidate.known());
+        let known = self.with_nominal_base(candidate.known());
         let effort = self.options.effort(&candidate, FINAL_STEPS);
         Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, &effort)
             .ok()
@@ -59,7 +59,7 @@ impl Search<'_> {
     }
 
     /// The same values with the nominal ones of the base parameters.
-    pub(super) fn from_nominal(&self, mut known: Vec<(String, f64)>) -> Vec<(String, f64)> {
+    pub(super) fn with_nominal_base(&self, mut known: Vec<(String, f64)>) -> Vec<(String, f64)> {
         for p in self.base.parameters().iter().filter(|p| !p.fixed) {
             for entry in known.iter_mut().filter(|(name, _)| *name == p.name) {
                 entry.1 = p.value;

@@ -231,7 +231,7 @@ impl Search<'_> {
                 // Where a wrong model has driven the base parameters far, a search with the right effect may not find back.
                 let lost =
                     of_set().next().filter(|p| !options.secants && self.is_driven(&self.tried[p.from]));
-                let nominal = lost.map(|p| self.from_nominal(p.known.clone()));
+                let nominal = lost.map(|p| self.with_nominal_base(p.known.clone()));
                 of_set()
                     .take(options.starts_fitted)
                     .map(|p| &p.known)
