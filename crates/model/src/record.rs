@@ -55,6 +55,13 @@ impl Record {
         self.time_s.len()
     }
 
+    /// Mean time between samples, s; 0 where there are fewer than two.
+    #[must_use]
+    pub fn mean_period_s(&self) -> f64 {
+        let span = self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(b, a)| b - a);
+        span / self.len().saturating_sub(1).max(1) as f64
+    }
+
     /// Whether there is no sample.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -324,10 +324,9 @@ impl BenchModel {
             });
         }
         let plant = self.plant(values, &input.channel)?;
-        let span = record.time_s[record.len() - 1] - record.time_s[0];
-        let period_s = span / (record.len() - 1) as f64;
         // A smooth command needs no finer steps than its own band, for the linear part is exact.
         let enough = (record.hold == InputHold::BandLimited).then_some(SMOOTH_STEPS_PER_PERIOD);
+        let period_s = record.mean_period_s();
         let fewer = [enough, self.steps_per_sample].into_iter().flatten().map(|n| period_s / n);
         let step_s = fewer.fold(self.step_s, f64::max);
         let grid = Grid::covering(&record.time_s, step_s);

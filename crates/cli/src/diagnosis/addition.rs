@@ -210,10 +210,7 @@ fn finished(
     let known = candidate.known();
     let mut best: Option<Fit> = None;
     let mut attempt = |start: Vec<f64>| -> anyhow::Result<bool> {
-        let thorough = FitOptions::of(base);
-        let columns = thorough.secants.then(|| candidate.columns());
-        let options = FitOptions { start: Some(start), starts: 1, columns, ..thorough };
-        let fitted = fit::fit(data, model.as_ref(), &options)?;
+        let fitted = fit::fit(data, model.as_ref(), &candidate.onward(base, start))?;
         if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
             best = Some(fitted);
         }

@@ -1,4 +1,4 @@
-//! Runs that a rig could make next: the scenario with another height, another posture, or a joint that is driven.
+//! Runs that a rig could make next: the scenario with another height, or with a joint that is driven.
 
 use crate::robot::Robot;
 use crate::scenario::{BaseSpec, Motion, Scenario};

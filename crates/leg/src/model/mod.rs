@@ -276,12 +276,6 @@ fn coarser_step(scenario: &Scenario, most_s: f64) -> f64 {
     if coarser > 1.5 * exact { coarser } else { exact }
 }
 
-/// A record's usual sampling period, s.
-fn sample_period(record: &Record) -> f64 {
-    let span = record.time_s.last().zip(record.time_s.first()).map_or(0.0, |(b, a)| b - a);
-    span / record.time_s.len().saturating_sub(1).max(1) as f64
-}
-
 impl Case {
     fn new(
         record: Option<String>,
@@ -342,7 +336,7 @@ impl Model for LegModel {
         let mut scenario = parameters::applied(case, &self.parameters, &self.reference, values, &|_| None);
         scenario.step_s = match (self.step_s, self.steps_per_sample) {
             (Some(step_s), _) => step_s,
-            (None, Some(steps)) => coarser_step(&scenario, sample_period(record) / steps),
+            (None, Some(steps)) => coarser_step(&scenario, record.mean_period_s() / steps),
             (None, None) => comparison_step(&scenario),
         };
         predict::predict(case, &scenario, &self.placed(values), record, channels)

@@ -130,6 +130,14 @@ impl Candidate {
         Arc::new(KnownColumns::of(&self.fit))
     }
 
+    /// A thorough fit of a model like this one, from a start nearby.
+    #[must_use]
+    pub fn onward(&self, model: &dyn Model, start: Vec<f64>) -> FitOptions {
+        let usual = FitOptions::of(model);
+        let columns = usual.secants.then(|| self.columns());
+        FitOptions { start: Some(start), starts: 1, columns, ..usual }
+    }
+
     /// Number of parameters that the effects add and a fit may change.
     #[must_use]
     pub fn effect_parameters(&self) -> usize {

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 /// What an excitation has to keep to.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Excite {
     /// Greatest distance from the centre, in the input's unit.
     pub amplitude: f64,

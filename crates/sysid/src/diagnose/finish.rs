@@ -1,7 +1,7 @@
 //! What leads a race is fitted to the end: further steps, other starts where it came to rest on its way, and at last
 //! the model itself in the place of the search's coarser one.
 
-use super::search::{AT_FLOOR, FINAL_STEPS, Search};
+use super::search::{AT_FLOOR, Search};
 use super::{Candidate, with_effects};
 use crate::fit::{FitOptions, FittedParameter, fit};
 use rayon::prelude::*;
@@ -26,10 +26,7 @@ impl Search<'_> {
         if candidate.fit.converged && !self.options.secants {
             return candidate;
         }
-        let known = candidate.known();
-        let effort = self.options.effort(&candidate, FINAL_STEPS);
-        Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, &effort)
-            .ok()
+        self.fitted_near(&candidate, &candidate.effects, &candidate.known())
             .filter(|f| f.fit.cost <= candidate.fit.cost)
             .unwrap_or(candidate)
     }
@@ -42,9 +39,7 @@ impl Search<'_> {
             return candidate;
         }
         let known = self.with_nominal_base(candidate.known());
-        let effort = self.options.effort(&candidate, FINAL_STEPS);
-        Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, &effort)
-            .ok()
+        self.fitted_near(&candidate, &candidate.effects, &known)
             .filter(|f| f.fit.cost < candidate.fit.cost)
             .unwrap_or(candidate)
     }
@@ -99,9 +94,8 @@ impl Search<'_> {
             }
             let known = candidate.fit.parameters.iter().zip(&moved[best]);
             let known: Vec<(String, f64)> = known.map(|(p, v)| (p.name.clone(), *v)).collect();
-            let effort = self.options.effort(&candidate, FINAL_STEPS);
-            match Candidate::fitted(self.data, self.base, &candidate.effects, self.seen, &known, &effort) {
-                Ok(fitted) if fitted.fit.cost < candidate.fit.cost => candidate = fitted,
+            match self.fitted_near(&candidate, &candidate.effects, &known) {
+                Some(fitted) if fitted.fit.cost < candidate.fit.cost => candidate = fitted,
                 _ => break,
             }
         }
@@ -133,9 +127,7 @@ impl Search<'_> {
             if same {
                 all.push(candidate.clone());
             } else {
-                let effects = &candidate.effects;
-                let effort = self.options.effort(&candidate, FINAL_STEPS);
-                all.extend(Candidate::fitted(self.data, self.base, effects, self.seen, &known, &effort).ok());
+                all.extend(self.fitted_near(&candidate, &candidate.effects, &known));
             }
         }
         let least = all.iter().map(|c| c.fit.cost).fold(f64::INFINITY, f64::min);
@@ -145,11 +137,8 @@ impl Search<'_> {
     /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors.
     pub(super) fn polished(&self, candidate: &Candidate) -> Candidate {
         let options = FitOptions {
-            start: Some(candidate.fit.values.clone()),
-            columns: self.options.secants.then(|| candidate.columns()),
-            starts: 1,
             max_steps: if self.options.secants { DEAR_STEPS } else { FitOptions::default().max_steps },
-            ..FitOptions::of(self.exact)
+            ..candidate.onward(self.exact, candidate.fit.values.clone())
         };
         with_effects(self.exact, &candidate.effects, self.seen)
             .and_then(|model| fit(self.data, model.as_ref(), &options).map(|fit| (model, fit)))

@@ -6,11 +6,13 @@
 //! the base parameters ([`Candidate`]), sets grown, pruned and compared ([`Found`]); the verdict follows
 //! from the holdout runs ([`Verdict`]), which nothing before it has looked at.
 
+mod adapt;
 mod candidate;
 mod compare;
 mod excitations;
 mod experiment;
 mod finish;
+mod rig;
 mod rivals;
 mod screen;
 mod search;

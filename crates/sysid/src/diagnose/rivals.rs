@@ -6,7 +6,7 @@
 
 use super::Candidate;
 use super::candidate::values_by_name;
-use super::search::{EQUAL_COST, FINAL_STEPS, Search};
+use super::search::{EQUAL_COST, Search};
 use super::with_effects;
 use rayon::prelude::*;
 
@@ -40,12 +40,9 @@ impl Search<'_> {
         }
         rivals.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         rivals.truncate(SECOND_CHANCES);
-        let (data, base, seen) = (self.data, self.base, self.seen);
-        let effort = self.options.effort(&self.tried[best], FINAL_STEPS);
-        let fitted: Vec<Option<Candidate>> = rivals
-            .par_iter()
-            .map(|r| Candidate::fitted(data, base, &r.effects, seen, &r.known, &effort).ok())
-            .collect();
+        let near = &self.tried[best];
+        let fitted: Vec<Option<Candidate>> =
+            rivals.par_iter().map(|r| self.fitted_near(near, &r.effects, &r.known)).collect();
         for candidate in fitted.into_iter().flatten() {
             self.keep(candidate);
         }
@@ -109,22 +106,6 @@ impl Search<'_> {
             .collect();
         let best = tried.into_iter().reduce(|best, other| if other.0 < best.0 { other } else { best });
         best.map(|(cost, known)| Rival { effects, known, cost })
-    }
-
-    /// Takes a candidate in, in the place of a worse fit of the same set.
-    pub(super) fn keep(&mut self, candidate: Candidate) -> usize {
-        match self.tried.iter().position(|t| t.effects == candidate.effects) {
-            Some(i) => {
-                if candidate.fit.cost < self.tried[i].fit.cost {
-                    self.tried[i] = candidate;
-                }
-                i
-            }
-            None => {
-                self.tried.push(candidate);
-                self.tried.len() - 1
-            }
-        }
     }
 }
 

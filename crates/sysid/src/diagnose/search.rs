@@ -45,7 +45,7 @@ pub(super) struct Search<'a> {
 }
 
 /// Most steps of a fit that goes on.
-pub(super) const FINAL_STEPS: usize = 20;
+const FINAL_STEPS: usize = 20;
 
 /// Costs that differ by less are equal: a likelihood ratio of e^10 is decisive.
 pub(super) const EQUAL_COST: f64 = 10.0;
@@ -296,11 +296,36 @@ impl Search<'_> {
         if let Some(i) = self.tried.iter().position(|t| t.effects == effects) {
             return Some(i);
         }
-        let known = self.tried[near].known();
-        let effort = self.options.effort(&self.tried[near], FINAL_STEPS);
-        let fitted = Candidate::fitted(self.data, self.base, effects, self.seen, &known, &effort).ok()?;
-        self.tried.push(fitted);
-        Some(self.tried.len() - 1)
+        let near = &self.tried[near];
+        let fitted = self.fitted_near(near, effects, &near.known())?;
+        Some(self.keep(fitted))
+    }
+
+    /// A set fitted from known values and with the derivatives of a candidate nearby; `None` if it cannot be simulated.
+    pub(super) fn fitted_near(
+        &self,
+        near: &Candidate,
+        effects: &[String],
+        known: &[(String, f64)],
+    ) -> Option<Candidate> {
+        let effort = self.options.effort(near, FINAL_STEPS);
+        Candidate::fitted(self.data, self.base, effects, self.seen, known, &effort).ok()
+    }
+
+    /// Takes a candidate in, in the place of a worse fit of the same set; returns its index.
+    pub(super) fn keep(&mut self, candidate: Candidate) -> usize {
+        match self.tried.iter().position(|t| t.effects == candidate.effects) {
+            Some(i) => {
+                if candidate.fit.cost < self.tried[i].fit.cost {
+                    self.tried[i] = candidate;
+                }
+                i
+            }
+            None => {
+                self.tried.push(candidate);
+                self.tried.len() - 1
+            }
+        }
     }
 
     /// Lets members leave, the least useful first, as long as the rest is not clearly worse.
@@ -314,12 +339,10 @@ impl Search<'_> {
                 without.push(i);
                 // It was fitted from elsewhere and may have come to rest far from here.
                 if !rest.is_empty() && self.tried[i].fit.cost > self.tried[best].fit.cost + EQUAL_COST {
-                    let effort = self.options.effort(&self.tried[best], FINAL_STEPS);
-                    let known = self.tried[best].known();
-                    let again = Candidate::fitted(self.data, self.base, &rest, self.seen, &known, &effort);
-                    again.into_iter().for_each(|c| {
-                        self.keep(c);
-                    });
+                    let near = &self.tried[best];
+                    if let Some(again) = self.fitted_near(near, &rest, &near.known()) {
+                        self.keep(again);
+                    }
                 }
             }
             let next = without
@@ -379,8 +402,7 @@ impl Search<'_> {
         let tied = equal
             .into_iter()
             .skip(1)
-            .filter(|&i| self.tried[i].effects.len() <= own.len() || own.is_empty())
-            .filter(|&i| own.is_empty() || !own.iter().all(|e| self.tried[i].effects.contains(e)))
+            .filter(|&i| own.is_empty() || self.tried[i].effects.len() <= own.len())
             .collect();
         (chosen, tied)
     }

@@ -179,14 +179,10 @@ fn uncertainty(holdout: &Data, candidate: &Candidate, at: &Evaluation) -> Result
             Ok(residual(&values)?.iter().zip(&here).map(|(a, b)| sign * (a - b)).collect())
         })
         .collect::<Result<_, Error>>()?;
-    let c = &fit.covariance;
     let mut sum = 0.0;
     for (i, a) in columns.iter().enumerate() {
         for (j, b) in columns.iter().enumerate() {
-            let size = (c[(i, i)] * c[(j, j)]).sqrt();
-            if size > 0.0 {
-                sum += c[(i, j)] / size * crate::fit::dot(a, b);
-            }
+            sum += fit.correlation(i, j) * crate::fit::dot(a, b);
         }
     }
     Ok(sum.max(0.0) / here.len().max(1) as f64)

@@ -251,11 +251,11 @@ fn sensor_columns(data: &Data, at: &Evaluation, run: usize, channel: usize) -> (
     (predicted.map(|p| data.runs[run].rows().map(|i| -p[i] * per_noise).collect()), -per_noise)
 }
 
-/// Takes out of the columns what the sensors' gain and bias can do in their place. `blocks` holds any
-/// number of columns, in the order of `at.blocks`.
+/// The columns without what the sensors' gain and bias can do in their place. `blocks` holds any number of columns,
+/// in the order of `at.blocks`.
 ///
 /// Sensor by sensor: the unknowns are the gain, the common bias and each run's bias, with their priors.
-pub(crate) fn project(data: &Data, at: &Evaluation, blocks: &mut [JacobianBlock]) {
+pub(crate) fn projected(data: &Data, at: &Evaluation, blocks: &[JacobianBlock]) -> Vec<JacobianBlock> {
     let count = blocks.first().map_or(0, |b| b.columns.len());
     let done: Vec<(usize, Vec<Vec<f64>>)> = (0..data.channels.len())
         .into_par_iter()
@@ -264,9 +264,12 @@ pub(crate) fn project(data: &Data, at: &Evaluation, blocks: &mut [JacobianBlock]
             project_channel(data, at, blocks, channel, &mine, count)
         })
         .collect();
-    for (i, columns) in done {
-        blocks[i].columns = columns;
+    let mut columns = vec![Vec::new(); blocks.len()];
+    for (i, projected) in done {
+        columns[i] = projected;
     }
+    let with = |(b, columns): (&JacobianBlock, _)| JacobianBlock { run: b.run, channel: b.channel, columns };
+    blocks.iter().zip(columns).map(with).collect()
 }
 
 fn project_channel(

@@ -109,8 +109,7 @@ impl Search {
     ) -> (Vec<JacobianBlock>, Vec<JacobianBlock>) {
         let along = |how, directions: &Directions| {
             let raw = jacobian::raw(data, model, &self.evaluation, coordinates, &self.u, how, directions);
-            let mut projected = raw.clone();
-            jacobian::project(data, &self.evaluation, &mut projected);
+            let projected = jacobian::projected(data, &self.evaluation, &raw);
             (raw, projected)
         };
         let principal = |(raw, projected): &(Vec<JacobianBlock>, Vec<JacobianBlock>)| {
@@ -182,8 +181,7 @@ impl Search {
         let how = Difference::Forward;
         let mut raw = jacobian::raw(data, model, &self.evaluation, coordinates, &self.u, how, &along);
         known.fill(coordinates, &self.evaluation, &mut raw);
-        let mut projected = raw.clone();
-        jacobian::project(data, &self.evaluation, &mut projected);
+        let projected = jacobian::projected(data, &self.evaluation, &raw);
         Some((raw, projected))
     }
 
@@ -339,8 +337,7 @@ impl Search {
             if let Some((raw, projected)) = &mut self.last {
                 let (before, after) = ((&self.evaluation, &self.u[..]), (&evaluation, &moved[..]));
                 secant::update(raw, data, coordinates, before, after);
-                projected.clone_from(raw);
-                jacobian::project(data, &evaluation, projected);
+                *projected = jacobian::projected(data, &evaluation, raw);
             }
             // Columns from elsewhere cannot say that this is the end.
             self.converged &= self.taken != Difference::Secant;

@@ -191,14 +191,21 @@ impl Fit {
         &self.evaluation.sensors
     }
 
+    /// Correlation of the errors of two free parameters, by their places among the free ones; 0 where one has none.
+    #[must_use]
+    pub fn correlation(&self, a: usize, b: usize) -> f64 {
+        let c = &self.covariance;
+        let size = (c[(a, a)] * c[(b, b)]).sqrt();
+        if size > 0.0 { (c[(a, b)] / size).clamp(-1.0, 1.0) } else { 0.0 }
+    }
+
     /// Pairs of free parameters whose errors are correlated more than `least` in magnitude.
     #[must_use]
     pub fn correlations(&self, least: f64) -> Vec<Correlation> {
         let mut pairs = Vec::new();
         for a in 0..self.free.len() {
             for b in a + 1..self.free.len() {
-                let size = (self.covariance[(a, a)] * self.covariance[(b, b)]).sqrt();
-                let value = if size > 0.0 { self.covariance[(a, b)] / size } else { 0.0 };
+                let value = self.correlation(a, b);
                 if value.abs() > least {
                     pairs.push(Correlation { first: self.free[a], second: self.free[b], value });
                 }

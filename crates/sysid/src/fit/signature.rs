@@ -48,8 +48,7 @@ impl Signatures {
                 JacobianBlock { run: block.run, channel, columns }
             })
             .collect();
-        let mut projected = raw.clone();
-        jacobian::project(data, at, &mut projected);
+        let projected = jacobian::projected(data, at, &raw);
         let (bare, gradient) = jacobian::normal(&projected, &raw, at);
         let (n, m) = (fit.free.len(), changed.len());
         let mut shared = DMatrix::<f64>::zeros(n, m);
