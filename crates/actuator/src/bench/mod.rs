@@ -15,7 +15,7 @@ pub use sensor::{Recording, Sensor, record};
 
 use crate::effect::{ActuatorKind, CATALOGUE, Effect, Setting, embedded, ids};
 use crate::plant::{Grid, Link, Plant, Trace, mean_per_step};
-use crate::spec::{EffectSpec, EffectValue};
+use crate::spec::{EffectSpec, EffectValue, narrowed};
 use crate::text::nearest;
 use crate::{ActuatorError, ActuatorSpec, Configuration, Kind};
 use sealegs_model::{EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record};
@@ -241,6 +241,12 @@ impl BenchModel {
             .collect()
     }
 
+    /// An effect's card under its id, with what the file knows of its parameters.
+    fn card(&self, id: &str, effect: &EffectRef, setting: &Setting) -> EffectCard {
+        let card = effect.get().card(setting);
+        EffectCard { id: id.to_owned(), parameters: narrowed(&self.spec, id, card.parameters), ..card }
+    }
+
     fn include(&mut self, id: &str, seen: &Excitation) -> Result<(), ModelError> {
         let setting = self.setting(seen);
         let mut candidates = self.candidates(&setting);
@@ -254,7 +260,7 @@ impl BenchModel {
             });
         };
         let (id, effect) = candidates.swap_remove(found);
-        let card = effect.get().card(&setting);
+        let card = self.card(&id, &effect, &setting);
         let channel = id.split_once('@').map(|(_, channel)| channel.to_owned());
         self.included.push(Included {
             effect,
@@ -371,7 +377,7 @@ impl Model for BenchModel {
         self.candidates(&setting)
             .into_iter()
             .filter(|(id, _)| self.included.iter().all(|i| i.id != *id))
-            .map(|(id, effect)| EffectCard { id, ..effect.get().card(&setting) })
+            .map(|(id, effect)| self.card(&id, &effect, &setting))
             .collect()
     }
 

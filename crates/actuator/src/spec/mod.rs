@@ -1,10 +1,12 @@
 //! The actuator file and its meaning: what a series elastic actuator is made of, what follows from it, and
 //! what a fit may change.
 
+mod known;
 mod parameters;
 mod parts;
 mod preset;
 
+pub(crate) use known::narrowed;
 pub use parameters::{BASE_PARAMETERS, ParameterSpec};
 pub use parts::{
     Configuration, EffectSpec, EffectValue, Kind, LinkageSpec, Motor, Ratings, SensorSpec, Transmission,
@@ -55,6 +57,10 @@ pub struct ActuatorSpec {
     /// What is known of each base parameter beside its nominal value.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, ParameterSpec>,
+    /// What is known of the parameters of effects that the file does not include, by effect and parameter: a campaign
+    /// on a bench looks for no other values.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub known: BTreeMap<String, BTreeMap<String, ParameterSpec>>,
     /// Physical effects beyond the base model, in the order of inclusion.
     #[serde(default, rename = "effect", skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSpec>,
@@ -250,6 +256,7 @@ impl ActuatorSpec {
             linkage.validate().map_err(within("linkage"))?;
         }
         parameters::validate(self)?;
+        known::validate(self)?;
         for (index, effect) in self.effects.iter().enumerate() {
             effect.validate(index)?;
         }

@@ -162,6 +162,34 @@ fn bad_values_name_file_line_and_field() {
 }
 
 #[test]
+fn what_is_known_of_an_effect_replaces_its_guesses() {
+    let spec = ActuatorSpec::preset("rmd-x8-rotary-sea").expect("preset");
+    let model = crate::bench::BenchModel::new(spec, crate::bench::Bench::Locked).expect("bench");
+    // A command in N m, as this rig takes it.
+    let range =
+        sealegs_model::SignalRange { name: "motor_torque_nm".to_owned(), min: -6.0, max: 6.0, rms: 3.0 };
+    let seen = sealegs_model::Excitation { ranges: vec![range], ..sealegs_model::Excitation::default() };
+    let cards = sealegs_model::Model::effects(&model, &seen);
+    let card = cards.iter().find(|c| c.id == "command-quantisation").expect("offered");
+    let (count, rounding) = (&card.parameters[0], &card.parameters[1]);
+    assert_eq!((count.value, count.starts.len(), rounding.fixed), (0.02229, 0, true));
+    assert!((count.prior_std.expect("a tolerance") - 0.02 * 0.02229).abs() < 1e-12);
+    assert!(count.min > 0.85 * 0.02229 && count.max < 1.15 * 0.02229, "{count:?}");
+    let other = cards.iter().find(|c| c.id == "coulomb-friction").expect("offered");
+    assert!(other.parameters[0].prior_std.is_none());
+
+    let known = |table: &str| message("[sensors.force_1_n]", &format!("{table}\n[sensors.force_1_n]"));
+    let effect = known("[known.command-quantization]\ncount = { value = 1.0 }\n");
+    assert!(effect.contains("did you mean 'command-quantisation'?"), "{effect}");
+    let parameter = known("[known.backlash]\ngap = { value = 1e-5 }\n");
+    assert!(parameter.contains("known.backlash.gap") && parameter.contains("gap_m"), "{parameter}");
+    let value = known("[known.backlash]\ngap_m = { value = nan }\n");
+    assert!(value.contains("known.backlash.gap_m.value = "), "{value}");
+    let bounds = known("[known.backlash]\ngap_m = { value = 1e-5, min = 2e-5 }\n");
+    assert!(bounds.contains("between min and max"), "{bounds}");
+}
+
+#[test]
 fn an_unknown_preset_is_suggested_and_a_missing_file_is_named() {
     let unknown = ActuatorSpec::load("thor-liner", None).expect_err("no such preset").to_string();
     assert!(

@@ -115,7 +115,7 @@ pub fn add(
     let base_fit = fit::fit(&data, model, &FitOptions::of(model))?;
     let seen = data.excitation(&base_fit.evaluation.predictions);
     check(model, effects, &seen)?;
-    let before = Candidate::of_base(model, base_fit);
+    let before = Candidate::of_base(&data, model, base_fit);
     let mut after: Option<Candidate> = None;
     // What an effect shows may depend on another one being there already.
     let backwards: Vec<String> = effects.iter().rev().cloned().collect();
@@ -232,5 +232,5 @@ fn finished(
         }
     }
     let fit = best.ok_or_else(|| bad_input("no effect was named"))?;
-    Ok(Candidate::exactly(effects.to_vec(), model, fit))
+    Ok(Candidate::exactly(data, effects.to_vec(), model, fit))
 }

@@ -4,7 +4,7 @@ use super::Candidate;
 
 /// Least gain in the mean squared residual, in squared noise units, that is worth an effect: less is within
 /// what two integrators of the same physics differ by.
-const WORTH_SQUARED_NOISE: f64 = 0.004;
+const WORTH_SQUARED_NOISE: f64 = 0.006;
 
 /// Least share of what is still unexplained that is worth an effect.
 const WORTH_SHARE: f64 = 0.03;
@@ -16,6 +16,12 @@ const WORTH_PER_PARAMETER: f64 = 15.0;
 #[must_use]
 pub fn gain(worse: &Candidate, better: &Candidate) -> f64 {
     worse.validation.mean_square() - better.validation.mean_square()
+}
+
+/// Fall of the cost that is the least worth one more effect beside a candidate.
+#[must_use]
+pub fn worth(beside: &Candidate, floor: f64) -> f64 {
+    0.5 * WORTH_SQUARED_NOISE * floor * floor * beside.validation.residuals as f64
 }
 
 /// Whether `better` predicts left-out stretches clearly better than `worse`: by more than its further

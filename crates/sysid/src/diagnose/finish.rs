@@ -3,20 +3,27 @@
 
 use super::search::{AT_FLOOR, Search};
 use super::{Candidate, with_effects};
-use crate::fit::{FitOptions, FittedParameter, fit};
+use crate::fit::{self, Difference, FitOptions, FittedParameter};
 use rayon::prelude::*;
+use sealegs_model::Scale;
 
 /// Prior standard deviations from its nominal value beyond which a base parameter is suspected to have been driven there.
 const FAR: f64 = 2.5;
 
 /// Ratios by which a parameter of an effect is moved to look for a better valley.
-const SHAKES: [f64; 16] =
-    [0.6, 0.7, 0.78, 0.84, 0.89, 0.93, 0.96, 0.98, 1.02, 1.04, 1.07, 1.12, 1.18, 1.27, 1.4, 1.6];
+const SHAKES: [f64; 18] =
+    [0.6, 0.7, 0.78, 0.84, 0.89, 0.93, 0.96, 0.98, 0.99, 1.01, 1.02, 1.04, 1.07, 1.12, 1.18, 1.27, 1.4, 1.6];
 
 /// Most steps with the model itself where derivatives are dear: by then they gain less than a parameter's error.
 const DEAR_STEPS: usize = 8;
 
-/// Share of the cost that another valley must gain at once.
+/// Times that a better valley is looked for.
+const VALLEYS: usize = 3;
+
+/// Steps in which the other parameters follow one that was moved.
+const FOLLOWING_STEPS: usize = 3;
+
+/// Share of the cost that another valley must gain at once where a fit is dear.
 const BETTER: f64 = 0.02;
 
 impl Search<'_> {
@@ -63,49 +70,78 @@ impl Search<'_> {
         known
     }
 
-    /// The candidate, or its fit from a better valley nearby: where contact is made and broken or a rotor sticks, the
-    /// error has many along a parameter of the effect, and steps down a slope lead to the nearest one.
+    /// The candidate, or its fit from a better valley nearby: where contact is made and broken, a rotor sticks or a part
+    /// rings for long, the error has many along a parameter of the effect, and steps down a slope lead to the nearest
+    /// one.
     pub(super) fn shaken(&self, mut candidate: Candidate) -> Candidate {
-        for _ in 0..self.options.valleys {
-            if candidate.fit.error() <= AT_FLOOR * self.floor {
+        for _ in 0..VALLEYS {
+            let error = candidate.fit.error();
+            if error <= AT_FLOOR * self.floor || error > self.options.shaken_below * self.floor {
                 break;
             }
-            let parameters = candidate.model.parameters();
-            let own = (self.base.parameters().len()..parameters.len()).filter(|&i| !parameters[i].fixed);
-            let moved: Vec<Vec<f64>> = own
-                .flat_map(|i| {
-                    let values = &candidate.fit.values;
-                    SHAKES.iter().filter_map(move |ratio| {
-                        let mut moved = values.clone();
-                        moved[i] = (values[i] * ratio).clamp(parameters[i].min, parameters[i].max);
-                        (moved[i] != values[i]).then_some(moved)
-                    })
+            let (moved, costs): (Vec<Vec<f64>>, Vec<f64>) = self.shakes(&candidate).into_iter().unzip();
+            let mut order: Vec<usize> = (0..moved.len()).collect();
+            order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
+            order.truncate(self.options.shakes_fitted);
+            let at_once = |i: usize| costs[i] <= (1.0 - BETTER) * candidate.fit.cost;
+            order.retain(|&i| costs[i].is_finite() && (!self.options.secants || at_once(i)));
+            let fitted: Vec<Option<Candidate>> = order
+                .par_iter()
+                .map(|&i| {
+                    let known = candidate.fit.parameters.iter().zip(&moved[i]);
+                    let known: Vec<(String, f64)> = known.map(|(p, v)| (p.name.clone(), *v)).collect();
+                    self.fitted_near(&candidate, &candidate.effects, &known)
                 })
                 .collect();
-            let costs: Vec<f64> = moved
-                .par_iter()
-                .map(|v| self.data.evaluate(candidate.model.as_ref(), v).map_or(f64::INFINITY, |e| e.cost))
-                .collect();
-            let Some(best) = (0..moved.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a }) else {
-                break;
-            };
-            if costs[best] > (1.0 - BETTER) * candidate.fit.cost {
-                break;
-            }
-            let known = candidate.fit.parameters.iter().zip(&moved[best]);
-            let known: Vec<(String, f64)> = known.map(|(p, v)| (p.name.clone(), *v)).collect();
-            match self.fitted_near(&candidate, &candidate.effects, &known) {
-                Some(fitted) if fitted.fit.cost < candidate.fit.cost => candidate = fitted,
+            let best =
+                fitted.into_iter().flatten().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
+            match best {
+                Some(best) if best.fit.cost < candidate.fit.cost => candidate = best,
                 _ => break,
             }
         }
         candidate
     }
 
+    /// Values with each parameter of the effects moved by some ratios, and their costs; on a bench the others follow
+    /// for a few steps.
+    fn shakes(&self, candidate: &Candidate) -> Vec<(Vec<f64>, f64)> {
+        let (fit, model) = (&candidate.fit, candidate.model.as_ref());
+        // Where fits are cheap, those are shaken whose order of magnitude was unknown: a frequency, a stiffness.
+        let rugged = |i: usize| self.options.secants || model.parameters()[i].scale == Scale::Logarithmic;
+        let own = fit.free.iter().copied().filter(|&i| i >= self.base.parameters().len() && rugged(i));
+        let moved: Vec<(usize, Vec<f64>)> = own
+            .flat_map(|i| {
+                SHAKES.iter().filter_map(move |ratio| {
+                    let p = &model.parameters()[i];
+                    let mut moved = fit.values.clone();
+                    moved[i] = (fit.values[i] * ratio).clamp(p.min, p.max);
+                    (moved[i] != fit.values[i]).then_some((i, moved))
+                })
+            })
+            .collect();
+        let looked_at = |(i, moved): (usize, Vec<f64>)| {
+            if self.options.secants {
+                let cost = self.data.evaluate(model, &moved).map_or(f64::INFINITY, |e| e.cost);
+                return (moved, cost);
+            }
+            let options = FitOptions {
+                start: Some(moved.clone()),
+                starts: 1,
+                max_steps: FOLLOWING_STEPS,
+                difference: Difference::Forward,
+                held: Some(model.parameters()[i].name.clone()),
+                ..FitOptions::default()
+            };
+            fit::fit(self.data, model, &options).map_or((moved, f64::INFINITY), |f| (f.values, f.cost))
+        };
+        moved.into_par_iter().map(looked_at).collect()
+    }
+
     /// The candidate under the discrete choice that fits best; of choices whose costs differ by no more than
     /// `equal`, the first.
     pub(super) fn with_best_choice(&self, candidate: Candidate, equal: f64) -> Candidate {
-        let choices = crate::fit::choices(self.base);
+        let choices = fit::choices(self.base);
         let parameters = self.base.parameters();
         let discrete: Vec<usize> = (0..parameters.len())
             .filter(|&i| parameters[i].fixed && !parameters[i].starts.is_empty())
@@ -141,10 +177,10 @@ impl Search<'_> {
             ..candidate.onward(self.exact, candidate.fit.values.clone())
         };
         with_effects(self.exact, &candidate.effects, self.seen)
-            .and_then(|model| fit(self.data, model.as_ref(), &options).map(|fit| (model, fit)))
+            .and_then(|model| fit::fit(self.data, model.as_ref(), &options).map(|fit| (model, fit)))
             .map_or_else(
                 |_| candidate.clone(),
-                |(model, fit)| Candidate::exactly(candidate.effects.clone(), model, fit),
+                |(model, fit)| Candidate::exactly(self.data, candidate.effects.clone(), model, fit),
             )
     }
 }

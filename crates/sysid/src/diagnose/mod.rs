@@ -16,13 +16,15 @@ mod rig;
 mod rivals;
 mod screen;
 mod search;
+mod validation;
 mod verdict;
 
-pub use candidate::{Candidate, Effort, Validation, values_by_name, with_effects};
+pub use candidate::{Candidate, Effort, values_by_name, with_effects};
 pub use compare::clearly_better;
 pub use experiment::{Experiment, Limits, Play, next_experiment};
 pub use screen::{Promise, Starts, race_periodic, screen};
 pub use search::Found;
+pub use validation::Validation;
 pub use verdict::{Judged, Verdict, VerdictKind};
 
 use crate::data::Data;
@@ -53,9 +55,12 @@ pub struct Options {
     pub race_steps: usize,
     /// Whether fits make do with derivatives that are known nearby as far as they go (see [`FitOptions::secants`]).
     pub secants: bool,
-    /// Times that a better valley is looked for around the leader of a shortlist. On a bench starts are cheap, and there
-    /// are many instead; what fits best is not what foresees best, and one valley too many has led astray there.
-    pub valleys: usize,
+    /// Error as a ratio of the floor up to which a better valley is looked for around the leader of a shortlist. On a
+    /// bench starts are cheap, and there are many instead: what fits best far from the floor is not what foresees best,
+    /// and one valley too many has led astray there.
+    pub shaken_below: f64,
+    /// Valleys that are fitted then.
+    pub shakes_fitted: usize,
     /// Fits of a shortlist that go on to the end.
     pub finishers: usize,
     /// Single effects that pairs grow from.
@@ -79,7 +84,8 @@ impl Default for Options {
             shortlist_later: 8,
             race_steps: 4,
             secants: false,
-            valleys: 0,
+            shaken_below: 1.2,
+            shakes_fitted: 3,
             finishers: 5,
             beam_first: 4,
             beam: 2,
@@ -105,7 +111,8 @@ impl Options {
             // Steps are cheap, derivatives are not.
             race_steps: 8,
             secants: true,
-            valleys: 3,
+            shaken_below: f64::INFINITY,
+            shakes_fitted: 1,
             shortlist: 6,
             shortlist_later: 3,
             // A law that contains the right one fits as well: the simpler must be fitted to the end, too.
@@ -191,7 +198,7 @@ pub fn diagnose(
     let seen = data.excitation(&base_fit.evaluation.predictions);
     let admitted: Vec<String> = base.effects(&seen).into_iter().map(|c| c.id).collect();
     let floor = options.floor.unwrap_or_else(|| noise_floor(campaign));
-    let mut first = Candidate::of_base(coarse.as_ref(), base_fit);
+    let mut first = Candidate::of_base(&data, coarse.as_ref(), base_fit);
     // Where the search's steps are the model's own there is nothing to polish.
     first.exact = data.predict(base, &first.fit.values).is_ok_and(|p| p == first.fit.evaluation.predictions);
     let search = search::Search {

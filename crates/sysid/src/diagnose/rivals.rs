@@ -1,20 +1,26 @@
-//! Second chances beside the best set: what lost a race from a poor start may explain as much with less.
+//! Second chances beside the best set: what lost a race from a poor start may explain as much with less, or more.
 //!
 //! A set is first fitted from where the sets that it grew from had driven the base parameters, which may be far off,
-//! and a simple law may rest there while one that contains it finds its way. Beside the best set the base
-//! parameters are about right: every set that differs in one member is worth another look from there.
+//! and a law may rest there while another one finds its way. Beside the best set the base parameters are about right,
+//! and so is the size of each effect: every set that differs in one member is worth another look from there.
 
 use super::Candidate;
 use super::candidate::values_by_name;
+use super::compare::clearly_better;
+use super::screen::is_amplitude;
 use super::search::{EQUAL_COST, Search};
 use super::with_effects;
 use rayon::prelude::*;
+use sealegs_model::Parameter;
 
 /// Sets that are fitted again.
 const SECOND_CHANCES: usize = 3;
 
-/// Starting values of each rival that are simulated.
+/// Starting values of each rival that are simulated, each as it was screened and as strong as what it replaces.
 const STARTS: usize = 4;
+
+/// The same of laws with more parameters, which differ in more than their strength.
+const STARTS_OF_RICHER: usize = 12;
 
 /// Values by the parameters' names.
 type Known = Vec<(String, f64)>;
@@ -27,9 +33,9 @@ struct Rival {
 }
 
 impl Search<'_> {
-    /// Fits the most promising sets that differ from the best in one member and have no more parameters again, with
-    /// the best set's values of everything else.
-    pub(super) fn second_chances(&mut self, best: usize) {
+    /// Fits the most promising sets that differ from the best in one member again, with the best set's values of
+    /// everything else; of no more parameters where the best set leaves nothing to explain. Returns the best set then.
+    pub(super) fn second_chances(&mut self, best: usize) -> usize {
         let mut rivals: Vec<Rival> = Vec::new();
         for leaving in self.tried[best].effects.clone() {
             for rival in self.rivals(best, &leaving) {
@@ -43,58 +49,55 @@ impl Search<'_> {
         let near = &self.tried[best];
         let fitted: Vec<Option<Candidate>> =
             rivals.par_iter().map(|r| self.fitted_near(near, &r.effects, &r.known)).collect();
-        for candidate in fitted.into_iter().flatten() {
-            self.keep(candidate);
-        }
+        let kept: Vec<usize> = fitted.into_iter().flatten().map(|candidate| self.keep(candidate)).collect();
+        kept.into_iter().fold(best, |best, i| {
+            if clearly_better(&self.tried[best], &self.tried[i], self.floor) { i } else { best }
+        })
     }
 
     /// The sets with another effect in the place of one, that lost by more than they should if they were equal.
     fn rivals(&mut self, best: usize, leaving: &str) -> Vec<Rival> {
         let chosen = &self.tried[best];
         let rest: Vec<String> = chosen.effects.iter().filter(|e| *e != leaving).cloned().collect();
-        let (cost, known) = (chosen.fit.cost, chosen.known());
-        let count = |known: &[(String, f64)], id: &str| {
-            known.iter().filter(|(name, _)| symbol(name, id).is_some()).count()
-        };
-        let most = count(&known, leaving);
+        let (cost, known, model) = (chosen.fit.cost, chosen.known(), chosen.model.clone_box());
+        let old: Vec<(&Parameter, f64)> = model
+            .parameters()
+            .iter()
+            .zip(&chosen.fit.values)
+            .filter(|(p, _)| symbol(&p.name, leaving).is_some())
+            .map(|(p, v)| (p, *v))
+            .collect();
+        let richer = !self.at_floor(best);
         let Some(without) = self.index_of(&rest, best) else { return Vec::new() };
         let promises = self.screen_beside(without, 2);
-        let others: Vec<(Vec<String>, Vec<Known>)> = promises
-            .iter()
-            .filter(|p| p.effect != leaving && p.drop > 0.0)
-            .filter(|p| p.starts.first().is_some_and(|(_, start)| start.len() <= most))
-            .map(|p| {
-                let starts = p.starts.iter().take(STARTS).map(|(_, start)| start.clone());
-                (self.with(&rest, &p.effect), starts.collect())
-            })
-            .filter(|(effects, _)| {
-                self.tried.iter().all(|t| t.effects != *effects || t.fit.cost > cost + EQUAL_COST)
-            })
-            .collect();
+        let most = self.tried[without].fit.cost;
         let mut rivals = Vec::new();
-        for (effects, mut starts) in others {
-            // Laws of one family call the same thing by the same name.
-            if let Some(first) = starts.first() {
-                let alike: Known = first
-                    .iter()
-                    .map(|(name, value)| {
-                        let own = name.rsplit('.').next().unwrap_or(name);
-                        let same = known.iter().find(|(n, _)| symbol(n, leaving) == Some(own));
-                        (name.clone(), same.map_or(*value, |(_, v)| *v))
-                    })
-                    .collect();
-                starts.push(alike);
+        for promise in promises.iter().filter(|p| p.effect != leaving && p.drop > 0.0) {
+            let effects = self.with(&rest, &promise.effect);
+            let done = |t: &Candidate| t.effects == effects && t.fit.cost <= cost + EQUAL_COST;
+            let more = promise.starts.first().is_some_and(|(_, start)| start.len() > old.len());
+            if self.tried.iter().any(done) || (more && !richer) {
+                continue;
             }
-            rivals.extend(
-                self.best_start(effects, &known, starts).filter(|r| r.cost < self.tried[without].fit.cost),
-            );
+            let starts = promise.starts.iter().map(|(_, start)| start);
+            let starts: Vec<&Known> = starts.take(if more { STARTS_OF_RICHER } else { STARTS }).collect();
+            rivals.extend(self.best_start(effects, &known, &starts, &old).filter(|r| r.cost < most));
         }
         rivals
     }
 
-    /// A set at the one of these starting values that explains most, with the other values as known.
-    fn best_start(&self, effects: Vec<String>, known: &[(String, f64)], starts: Vec<Known>) -> Option<Rival> {
+    /// A set at the one of these starting values, as they are or as strong as the effect that it replaces, that
+    /// explains most, with the other values as known.
+    fn best_start(
+        &self,
+        effects: Vec<String>,
+        known: &[(String, f64)],
+        starts: &[&Known],
+        old: &[(&Parameter, f64)],
+    ) -> Option<Rival> {
         let model = with_effects(self.base, &effects, self.seen).ok()?;
+        let alike = starts.iter().map(|start| alike(model.parameters(), start, old));
+        let starts: Vec<Known> = starts.iter().map(|&s| s.clone()).chain(alike).collect();
         let tried: Vec<(f64, Known)> = starts
             .into_par_iter()
             .filter_map(|start| {
@@ -107,6 +110,26 @@ impl Search<'_> {
         let best = tried.into_iter().reduce(|best, other| if other.0 < best.0 { other } else { best });
         best.map(|(cost, known)| Rival { effects, known, cost })
     }
+}
+
+/// Starting values of an effect that are as strong as an old one: its amplitudes scaled together so that the first is
+/// the old one's, if they have one unit, and what both call by the same name alike.
+fn alike(parameters: &[Parameter], start: &Known, old: &[(&Parameter, f64)]) -> Known {
+    let of = |name: &str| parameters.iter().find(|p| p.name == name);
+    let amplitude = old.iter().find(|(p, _)| is_amplitude(p));
+    let own = |p: &Parameter| amplitude.is_some_and(|(o, _)| is_amplitude(p) && o.unit == p.unit);
+    let first = start.iter().find(|(name, _)| of(name).is_some_and(own)).map(|(_, v)| *v);
+    let ratio = amplitude.zip(first).map_or(1.0, |((_, v), first)| v / first);
+    let ratio = if ratio.is_finite() && ratio != 0.0 { ratio } else { 1.0 };
+    let last = |name: &str| name.rsplit('.').next().map(str::to_owned);
+    start
+        .iter()
+        .map(|(name, value)| {
+            let same = old.iter().find(|(p, _)| last(&p.name) == last(name)).map(|(_, v)| *v);
+            let scaled = of(name).filter(|p| own(p)).map(|p| (value * ratio).clamp(p.min, p.max));
+            (name.clone(), same.or(scaled).unwrap_or(*value))
+        })
+        .collect()
 }
 
 /// What an effect calls one of its parameters, if it is its own.

@@ -199,7 +199,7 @@ fn screen_starts(
 }
 
 /// Whether the effect vanishes in proportion to this parameter.
-fn is_amplitude(p: &Parameter) -> bool {
+pub(super) fn is_amplitude(p: &Parameter) -> bool {
     p.neutral == Some(0.0) && !p.fixed && p.scale == Scale::Linear
 }
 

@@ -2,7 +2,7 @@
 //! few at every size are fitted, members leave again, and rivals of each member are tried.
 
 use super::candidate::Effort;
-use super::compare::{clearly_better, gain};
+use super::compare::{clearly_better, gain, worth};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
 use super::{Candidate, Options, Progress, Validation};
 use crate::data::Data;
@@ -57,8 +57,14 @@ pub(super) const AT_FLOOR: f64 = 1.01;
 /// The same on what is left out, where every parameter costs a little.
 const NEAR_FLOOR: f64 = 1.05;
 
+/// Error as a ratio of the floor beyond which the best set is suspected to be a poor fit before others are put beside it.
+const FAR_ABOVE: f64 = 1.2;
+
 /// How much more of what is unexplained a fit may leave after a race and still be fitted to the end.
 const REACH: f64 = 8.0;
+
+/// Cost as a ratio of the chosen set's above which a set is no tie, whatever is foreseen of stretches left out.
+const TIED_COST: f64 = 1.1;
 
 /// A set to be fitted, and where from.
 struct Plan {
@@ -90,10 +96,15 @@ impl Search<'_> {
                     promises = found;
                 }
             }
-            let fitted = self.fit_best(
-                plans,
-                if size == 1 { self.options.shortlist } else { self.options.shortlist_later },
-            );
+            let most = match size {
+                1 => self.options.shortlist,
+                // What little is left is worth no long search.
+                _ if self.tried[best].fit.error() <= NEAR_FLOOR * self.floor => {
+                    self.options.shortlist_later.div_ceil(2)
+                }
+                _ => self.options.shortlist_later,
+            };
+            let mut fitted = self.fit_best(plans, most);
             if fitted.is_empty() {
                 break;
             }
@@ -105,6 +116,14 @@ impl Search<'_> {
                 // second brought something.
                 break;
             }
+            // A law that came to rest half way is found before others are put beside it.
+            if self.tried[best].fit.error() > FAR_ABOVE * self.floor {
+                let better = self.second_chances(best);
+                if better != best {
+                    fitted.push(better);
+                    best = better;
+                }
+            }
             frontier = self.frontier(fitted, size);
         }
         for _ in 0..2 {
@@ -115,7 +134,7 @@ impl Search<'_> {
                 break;
             }
         }
-        self.second_chances(best);
+        best = self.second_chances(best);
         let (chosen, tied) = self.ties(best);
         let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
         self.tried[chosen] = settled;
@@ -129,7 +148,7 @@ impl Search<'_> {
     }
 
     /// Whether nothing is left to explain.
-    fn at_floor(&self, index: usize) -> bool {
+    pub(super) fn at_floor(&self, index: usize) -> bool {
         let left_out = self.tried[index].validation.mean_square().sqrt();
         self.tried[index].fit.error() <= AT_FLOOR * self.floor && left_out <= NEAR_FLOOR * self.floor
     }
@@ -161,7 +180,10 @@ impl Search<'_> {
     /// elsewhere.
     fn plans(&self, from: usize, promise: &Promise) -> Vec<Plan> {
         let beside = &self.tried[from];
-        if promise.drop <= 0.0 {
+        // Near the floor little can be gained, and what promises less than it would have to bring is not worth a fit.
+        let near_floor = beside.fit.error() <= NEAR_FLOOR * self.floor;
+        let least = if near_floor { 0.5 * worth(beside, self.floor) } else { 0.0 };
+        if promise.drop <= least {
             return Vec::new();
         }
         let promising = promise.starts.iter().filter(|(drop, _)| *drop > 0.5 * promise.drop);
@@ -403,6 +425,7 @@ impl Search<'_> {
             .into_iter()
             .skip(1)
             .filter(|&i| own.is_empty() || self.tried[i].effects.len() <= own.len())
+            .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
             .collect();
         (chosen, tied)
     }

@@ -2,7 +2,7 @@
 
 use super::coordinates::{Bound, Coordinates};
 use super::jacobian::{self, Difference, Directions, JacobianBlock};
-use super::{FitOptions, KnownColumns, secant};
+use super::{FitOptions, KnownColumns, bend, secant};
 use crate::Error;
 use crate::data::{Data, Evaluation};
 use nalgebra::{DMatrix, DVector};
@@ -27,6 +27,19 @@ pub(super) struct Search {
     taken: Difference,
     /// What of [`FitOptions`] concerns derivatives, where secants do most of the work.
     thrift: Option<Thrift>,
+}
+
+/// A place that a search has looked at.
+struct Place {
+    u: Vec<f64>,
+    evaluation: Evaluation,
+    /// Cost with the parameters' priors.
+    cost: f64,
+}
+
+/// The lower of two places; the first of equals.
+fn lower(a: Option<Place>, b: Option<Place>) -> Option<Place> {
+    [a, b].into_iter().flatten().reduce(|a, b| if b.cost < a.cost { b } else { a })
 }
 
 /// A search that simulates for derivatives only where it must.
@@ -218,7 +231,14 @@ impl Search {
                 break;
             }
             let taken = self.taken;
-            if let Some(gained) = self.accept(data, model, coordinates, moved, enough) {
+            let straight = self.visit(data, model, coordinates, moved);
+            let bent = straight
+                .as_ref()
+                .filter(|place| self.cost - place.cost < 0.5 * promised)
+                .and_then(|place| self.bent(data, model, coordinates, place, (a, self.damping)));
+            if let Some(gained) =
+                lower(straight, bent).and_then(|place| self.accept(data, coordinates, place, enough))
+            {
                 if promised < SMALL * self.evaluation.rms.powi(2).max(1.0) {
                     self.taken = taken;
                 }
@@ -309,29 +329,44 @@ impl Search {
             if -0.5 * step.dot(&slope) < enough {
                 continue;
             }
-            if self.accept(data, model, coordinates, moved, enough).is_some() {
+            let place = self.visit(data, model, coordinates, moved);
+            if place.and_then(|place| self.accept(data, coordinates, place, enough)).is_some() {
                 return true;
             }
         }
         false
     }
 
-    /// Goes there if the cost falls, and returns by how much; by less than `enough`, the search has converged.
-    fn accept(
-        &mut self,
+    /// The cost at a place; `None` where nothing can be simulated.
+    fn visit(&self, data: &Data, model: &dyn Model, coordinates: &Coordinates, u: Vec<f64>) -> Option<Place> {
+        let values = coordinates.values(&u, &self.evaluation.values);
+        let evaluation = data.evaluate(model, &values).ok()?;
+        let cost = evaluation.cost + coordinates.prior_cost(&values);
+        cost.is_finite().then_some(Place { u, evaluation, cost })
+    }
+
+    /// Where the bent step leads that goes with a straight one, if the columns are those of here.
+    fn bent(
+        &self,
         data: &Data,
         model: &dyn Model,
         coordinates: &Coordinates,
-        moved: Vec<f64>,
-        enough: f64,
-    ) -> Option<f64> {
-        let values = coordinates.values(&moved, &self.evaluation.values);
-        let evaluation = data.evaluate(model, &values).ok()?;
-        let cost = evaluation.cost + coordinates.prior_cost(&values);
-        let gained = self.cost - cost;
-        if gained <= 0.0 || gained.is_nan() {
+        straight: &Place,
+        curvature: (&DMatrix<f64>, f64),
+    ) -> Option<Place> {
+        let (_, columns) = self.last.as_ref().filter(|_| self.thrift.is_none())?;
+        let (from, to) = ((&self.u[..], &self.evaluation), (&straight.u[..], &straight.evaluation));
+        let bent = bend::bent(coordinates, from, to, columns, curvature)?;
+        self.visit(data, model, coordinates, bent)
+    }
+
+    /// Goes there if the cost falls, and returns by how much; by less than `enough`, the search has converged.
+    fn accept(&mut self, data: &Data, coordinates: &Coordinates, place: Place, enough: f64) -> Option<f64> {
+        let gained = self.cost - place.cost;
+        if gained <= 0.0 {
             return None;
         }
+        let Place { u: moved, evaluation, cost } = place;
         self.converged = gained < enough;
         if self.thrift.is_some() {
             if let Some((raw, projected)) = &mut self.last {

@@ -13,6 +13,7 @@
 //!
 //! Standard errors are explained in [`FittedParameter::std`].
 
+mod bend;
 mod coordinates;
 mod jacobian;
 mod levenberg;
@@ -52,6 +53,8 @@ pub struct FitOptions {
     pub difference: Difference,
     /// Only parameters whose name begins so are free; all others keep the start's values.
     pub only: Option<String>,
+    /// The parameter of this name is not free, and keeps the start's value.
+    pub held: Option<String>,
     /// Whether a step that keeps its promise brings the derivatives up to date by itself, in place of a simulation
     /// for every parameter; they are then simulated only where a step fails, and at the end.
     pub secants: bool,
@@ -69,6 +72,7 @@ impl Default for FitOptions {
             tolerance: 1e-3,
             difference: Difference::Central,
             only: None,
+            held: None,
             secants: false,
             columns: None,
         }
@@ -261,6 +265,9 @@ fn fit_from(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit,
     let mut parameters = model.parameters().to_vec();
     if let Some(only) = &options.only {
         parameters.iter_mut().for_each(|p| p.fixed |= !p.name.starts_with(only.as_str()));
+    }
+    if let Some(held) = &options.held {
+        parameters.iter_mut().for_each(|p| p.fixed |= p.name == *held);
     }
     let coordinates = Coordinates::new(&parameters);
     let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();

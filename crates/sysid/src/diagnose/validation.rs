@@ -1,0 +1,230 @@
+//! How a fitted candidate predicts what was left out of the fit, from the fit to everything.
+
+use crate::data::{Data, Evaluation};
+use crate::fit::{Fit, dot};
+use nalgebra::{DMatrix, DVector};
+use sealegs_model::Model;
+
+/// Stretches of each run that are left out one at a time, where the runs are few; else whole runs are: what
+/// holds only at one amplitude must not hold up.
+const STRETCHES: usize = 6;
+
+/// From so many runs on whole runs are left out.
+const ENOUGH_RUNS: usize = 3;
+
+/// Sum of squares, in squared noise units, of what an effect changes where it has been felt.
+const FELT: f64 = 10.0;
+
+/// Prediction errors on left-out stretches of the fit runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validation {
+    /// Sum of squared residuals in noise units of each left-out stretch.
+    pub stretches: Vec<f64>,
+    /// Number of residuals in all of them.
+    pub residuals: usize,
+}
+
+impl Validation {
+    /// Mean squared residual, in squared noise units.
+    #[must_use]
+    pub fn mean_square(&self) -> f64 {
+        self.stretches.iter().sum::<f64>() / self.residuals.max(1) as f64
+    }
+}
+
+/// Leaves out one stretch of one run at a time, or one run, and predicts it with the parameters that the rest would have
+/// given: one Gauss-Newton step from the fit to everything, which is exact where the residual is linear in
+/// the parameters.
+///
+/// An effect that only what is left out has felt (a limit that one run alone reached) cannot be known without it: there
+/// the model predicts without that effect.
+pub(super) fn validate(data: &Data, model: &dyn Model, effects: &[String], fit: &Fit) -> Validation {
+    let p = fit.free.len();
+    let traces: Vec<Option<Trace>> = effects.iter().map(|e| Trace::of(data, model, fit, e)).collect();
+    let mut stretches = Vec::new();
+    let mut residuals = 0;
+    let runs = fit.evaluation.blocks.iter().map(|b| b.run).max().map_or(0, |r| r + 1);
+    for run in 0..runs {
+        let blocks: Vec<usize> =
+            (0..fit.evaluation.blocks.len()).filter(|&b| fit.evaluation.blocks[b].run == run).collect();
+        let rows = blocks.iter().map(|&b| fit.evaluation.blocks[b].residual.len()).max().unwrap_or(0);
+        let parts = if runs >= ENOUGH_RUNS { 1 } else { STRETCHES };
+        for stretch in 0..parts {
+            let from = rows * stretch / parts;
+            let to = rows * (stretch + 1) / parts;
+            let mut left = fit.normal.clone();
+            let mut gradient = DVector::<f64>::zeros(p);
+            for &b in &blocks {
+                let columns = &fit.jacobian[b].columns;
+                let residual = &fit.evaluation.blocks[b].residual[from..to];
+                for i in 0..p {
+                    let ci = &columns[i][from..to];
+                    gradient[i] += dot(ci, residual);
+                    for j in 0..=i {
+                        let product = dot(ci, &columns[j][from..to]);
+                        left[(i, j)] -= product;
+                        if i != j {
+                            left[(j, i)] -= product;
+                        }
+                    }
+                }
+            }
+            let unknown: Vec<&str> = effects
+                .iter()
+                .zip(&traces)
+                .filter(|(_, trace)| trace.as_ref().is_some_and(|t| t.outside(run, from, to) < FELT))
+                .map(|(effect, _)| effect.as_str())
+                .collect();
+            let without = if unknown.is_empty() { None } else { without(data, model, fit, run, &unknown) };
+            // What is at a bound stays there.
+            for k in 0..p {
+                if fit.parameters[fit.free[k]].at_bound.is_some() {
+                    left.row_mut(k).fill(0.0);
+                    left.column_mut(k).fill(0.0);
+                    left[(k, k)] = 1.0;
+                    gradient[k] = 0.0;
+                }
+            }
+            let shift = solve(left, &gradient);
+            let of_unknown = |k: usize| {
+                let name = &fit.parameters[fit.free[k]].name;
+                unknown.iter().any(|e| is_of(name, e))
+            };
+            let stays = |k: usize| without.is_some() && of_unknown(k);
+            let mut squares = 0.0;
+            for &b in &blocks {
+                let residual =
+                    without.as_ref().map_or(&fit.evaluation.blocks[b].residual, |e| &e.blocks[b].residual);
+                let residual = &residual[from..to];
+                let columns = &fit.jacobian[b].columns;
+                for (n, r) in residual.iter().enumerate() {
+                    let moved: f64 =
+                        (0..p).filter(|&k| !stays(k)).map(|k| columns[k][from + n] * shift[k]).sum();
+                    squares += (r + moved).powi(2);
+                }
+                residuals += residual.len();
+            }
+            stretches.push(squares);
+        }
+    }
+    Validation { stretches, residuals }
+}
+
+fn is_of(parameter: &str, effect: &str) -> bool {
+    parameter.strip_prefix(effect).is_some_and(|rest| rest.starts_with('.'))
+}
+
+/// What an effect changes in the predictions of a fit, squared, in squared noise units.
+struct Trace {
+    /// For each run, at its scored rows, summed over the channels.
+    runs: Vec<Vec<f64>>,
+}
+
+impl Trace {
+    /// `None` if the effect cannot be taken away.
+    fn of(data: &Data, model: &dyn Model, fit: &Fit, effect: &str) -> Option<Self> {
+        let predictions = data.predict(model, &neutral(model, fit, &[effect])?).ok()?;
+        let mut runs: Vec<Vec<f64>> = vec![Vec::new(); data.runs.len()];
+        for block in &fit.evaluation.blocks {
+            let (run, name) = (&data.runs[block.run], &data.runs[block.run].names[block.slot]);
+            let with = fit.evaluation.predictions[block.run].output(name)?;
+            let without = predictions[block.run].output(name)?;
+            let noise = data.channels[block.channel].noise_std;
+            let squares = run.rows().map(|i| ((with[i] - without[i]) / noise).powi(2));
+            let sum = &mut runs[block.run];
+            sum.resize(block.residual.len().max(sum.len()), 0.0);
+            sum.iter_mut().zip(squares).for_each(|(s, v)| *s += v);
+        }
+        Some(Self { runs })
+    }
+
+    /// The sum outside a stretch of a run.
+    fn outside(&self, run: usize, from: usize, to: usize) -> f64 {
+        let sum = |rows: &[f64]| rows.iter().sum::<f64>();
+        let inside: f64 = self.runs[run].get(from..to).map_or(0.0, sum);
+        self.runs.iter().map(|rows| sum(rows)).sum::<f64>() - inside
+    }
+}
+
+/// A fit's values with some effects at rest; `None` if they have no such value.
+fn neutral(model: &dyn Model, fit: &Fit, effects: &[&str]) -> Option<Vec<f64>> {
+    let mut values = fit.values.clone();
+    for effect in effects {
+        let mut any = false;
+        for (value, p) in values.iter_mut().zip(model.parameters()).filter(|(_, p)| is_of(&p.name, effect)) {
+            any |= p.neutral.is_some();
+            *value = p.neutral.unwrap_or(*value);
+        }
+        any.then_some(())?;
+    }
+    Some(values)
+}
+
+/// The fit's evaluation with one run predicted without some effects; `None` if that cannot be simulated.
+fn without(data: &Data, model: &dyn Model, fit: &Fit, run: usize, effects: &[&str]) -> Option<Evaluation> {
+    let values = neutral(model, fit, effects)?;
+    let mut predictions = fit.evaluation.predictions.clone();
+    predictions[run] = data.predict_run(run, model, &values).ok()?;
+    Some(data.evaluate_prediction(&values, predictions))
+}
+
+/// Solves a positive definite system; directions about which nothing is known stay where they are.
+fn solve(mut a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+    let n = b.len();
+    for k in 0..n {
+        // A thousandth of a typical change is never reason to move.
+        a[(k, k)] += 1e-3 + 1e-9 * a[(k, k)].abs();
+    }
+    a.cholesky().map_or_else(|| DVector::zeros(n), |c| c.solve(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Candidate;
+    use super::super::candidate::Effort;
+    use crate::campaign::Role;
+    use crate::data::Data;
+    use crate::toy::{Noise, Toy, campaign, run};
+
+    const TRUTH: [f64; 3] = [1.1, 5.0, 380.0];
+    const NOISE: (f64, f64) = (0.2, 0.001);
+
+    /// A run at a share of the usual amplitude, with a sensor that stiffens.
+    fn at(share: f64, seed: u64) -> sealegs_model::Record {
+        let mut record = run(&TRUTH, 800, seed, (0.0, 0.0), (1.0, 0.0), 1.0);
+        let mut noise = Noise::new(1000 + seed);
+        record.inputs[0].values.iter_mut().for_each(|v| *v *= share);
+        for v in &mut record.outputs[0].values {
+            let force = share * *v;
+            *v = force + 1e-3 * force.powi(3) + NOISE.0 * noise.normal();
+        }
+        for v in &mut record.outputs[1].values {
+            *v = share * *v + NOISE.1 * noise.normal();
+        }
+        record
+    }
+
+    /// Greatest mean square over the runs, each left out, without and with the effect.
+    fn left_out(shares: [f64; 3]) -> [f64; 2] {
+        let runs = shares.iter().zip(0..).map(|(&share, seed)| (Role::Fit, at(share, seed))).collect();
+        let campaign = campaign(runs, NOISE);
+        let toy = Toy::new();
+        let data = Data::new(&campaign, Some(Role::Fit), &toy).unwrap();
+        let seen = sealegs_model::Excitation::default();
+        [vec![], vec!["cubic-sensor".to_owned()]].map(|effects| {
+            let effort = Effort::steps(20);
+            let fitted = Candidate::fitted(&data, &toy, &effects, &seen, &[], &effort).unwrap();
+            assert!(effects.is_empty() || fitted.fit.error() < 1.05, "{}", fitted.fit.error());
+            let each = fitted.validation.residuals as f64 / 3.0;
+            fitted.validation.stretches.iter().map(|s| s / each).fold(0.0, f64::max)
+        })
+    }
+
+    #[test]
+    fn what_one_run_alone_has_felt_does_not_foresee_that_run() {
+        let [without, with] = left_out([1.0, 1.0, 1.0]);
+        assert!(without > 2.0 && with < 1.1, "felt in all: {without} {with}");
+        let [without, with] = left_out([1.0, 0.05, 0.05]);
+        assert!(without > 2.0 && with > 0.8 * without, "felt in one: {without} {with}");
+    }
+}

@@ -1,0 +1,105 @@
+//! Steps that follow a valley's bend: a second-order correction, at the price of one simulation.
+//!
+//! Where two parameters do nearly the same (a spring and a compliance in series with it), the error has a long
+//! valley that bends. A straight step along it ends on the wall, damping shortens it until the wall is not
+//! reached, and the search creeps. What the straight step's prediction missed tells the bend: half the second
+//! directional derivative. The damped equations, solved for that in place of the residual, lead back to the floor
+//! (geodesic acceleration: Transtrum and Sethna 2012, arXiv:1201.5885).
+
+use super::coordinates::Coordinates;
+use super::jacobian::{JacobianBlock, dot};
+use crate::data::Evaluation;
+use nalgebra::{DMatrix, DVector};
+
+/// Longest correction as a share of the step, each coordinate by its own curvature: beyond it the second order says
+/// nothing either.
+const LONGEST: f64 = 0.4;
+
+/// Where the bent step ends that goes with a straight one from `u` to `to`; `None` where the correction would not be
+/// small beside the step.
+///
+/// `columns` are the projected derivatives at `u`, `a` the curvature there with its priors, `here` and `there` the
+/// residuals at both ends.
+pub(super) fn bent(
+    coordinates: &Coordinates,
+    (u, here): (&[f64], &Evaluation),
+    (to, there): (&[f64], &Evaluation),
+    columns: &[JacobianBlock],
+    (a, damping): (&DMatrix<f64>, f64),
+) -> Option<Vec<f64>> {
+    let step: Vec<f64> = to.iter().zip(u).map(|(b, a)| b - a).collect();
+    let moving: Vec<usize> = (0..u.len()).filter(|&k| step[k] != 0.0).collect();
+    let mut missed = vec![0.0; u.len()];
+    for ((block, before), after) in columns.iter().zip(&here.blocks).zip(&there.blocks) {
+        let mut rest: Vec<f64> = after.residual.iter().zip(&before.residual).map(|(b, a)| b - a).collect();
+        for &k in &moving {
+            rest.iter_mut().zip(&block.columns[k]).for_each(|(r, c)| *r -= step[k] * c);
+        }
+        for &k in &moving {
+            missed[k] += dot(&block.columns[k], &rest);
+        }
+    }
+    let n = moving.len();
+    let mut damped = DMatrix::from_fn(n, n, |i, j| a[(moving[i], moving[j])]);
+    for i in 0..n {
+        damped[(i, i)] *= 1.0 + damping;
+    }
+    let wanted = DVector::from_fn(n, |i, _| -missed[moving[i]]);
+    let correction = damped.cholesky()?.solve(&wanted);
+    let size = |of: &dyn Fn(usize) -> f64| -> f64 {
+        (0..n).map(|i| a[(moving[i], moving[i])] * of(i).powi(2)).sum::<f64>().sqrt()
+    };
+    let (long, short) = (size(&|i| step[moving[i]]), size(&|i| correction[i]));
+    if !short.is_finite() || short > LONGEST * long {
+        return None;
+    }
+    let mut bent = to.to_vec();
+    for (i, &k) in moving.iter().enumerate() {
+        bent[k] = coordinates.coordinate(k, coordinates.value(k, to[k] + correction[i]));
+    }
+    Some(bent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Block;
+    use sealegs_model::Parameter;
+
+    /// Rosenbrock's valley as residuals, `10 (y - x^2)` and `1 - x`.
+    fn evaluation(u: &[f64]) -> Evaluation {
+        let residual = vec![10.0 * (u[1] - u[0] * u[0]), 1.0 - u[0]];
+        let cost = 0.5 * dot(&residual, &residual);
+        let block = Block { run: 0, channel: 0, slot: 0, residual };
+        Evaluation {
+            values: u.to_vec(),
+            predictions: Vec::new(),
+            sensors: Vec::new(),
+            blocks: vec![block],
+            cost,
+            rms: (2.0 * cost / 2.0).sqrt(),
+        }
+    }
+
+    #[test]
+    fn analytic_a_bent_step_ends_on_the_floor_of_the_valley() {
+        let mut parameters =
+            [Parameter::new("x", "", 1.0, -9.0, 9.0), Parameter::new("y", "", 1.0, -9.0, 9.0)];
+        parameters.iter_mut().for_each(|p| p.typical = 1.0);
+        let coordinates = Coordinates::new(&parameters);
+        let u = [0.8, 0.64];
+        let columns = vec![vec![-20.0 * u[0], -1.0], vec![10.0, 0.0]];
+        let a = DMatrix::from_fn(2, 2, |i, j| dot(&columns[i], &columns[j]));
+        let block = JacobianBlock { run: 0, channel: 0, columns };
+        // Along the valley's tangent to x = 1, where its floor, and the minimum, is at y = 1.
+        let to = [1.0, 0.64 + 2.0 * 0.8 * 0.2];
+        let (here, there) = (evaluation(&u), evaluation(&to));
+        assert!(there.cost > 0.9 * here.cost, "the straight step ends on the wall");
+        let end = bent(&coordinates, (&u, &here), (&to, &there), &[block.clone()], (&a, 0.0))
+            .expect("a small correction");
+        assert!((end[0] - 1.0).abs() < 1e-9 && (end[1] - 1.0).abs() < 1e-9, "{end:?}");
+        // Twice as far the second order is no longer small beside the step.
+        let far = [3.0, 0.64 + 2.0 * 0.8 * 2.2];
+        assert_eq!(bent(&coordinates, (&u, &here), (&far, &evaluation(&far)), &[block], (&a, 0.0)), None);
+    }
+}
