@@ -176,6 +176,10 @@ pub fn noise_floor(campaign: &Campaign) -> f64 {
     if squares.is_empty() { 1.0 } else { stats::mean(&squares).sqrt().max(1.0) }
 }
 
+/// Error as a ratio of the floor beyond which a base model with many parameters is suspected to have been bent by the
+/// fit as far as it goes, and effects are screened beside its nominal values, too.
+const BENT: f64 = 3.0;
+
 /// Integration steps per sampling period in the search; what it finds is fitted again with the model itself.
 const STEPS_PER_SAMPLE: f64 = 4.0;
 
@@ -201,10 +205,15 @@ pub fn diagnose(
     let mut first = Candidate::of_base(&data, coarse.as_ref(), base_fit);
     // Where the search's steps are the model's own there is nothing to polish.
     first.exact = data.predict(base, &first.fit.values).is_ok_and(|p| p == first.fit.evaluation.predictions);
+    let nominal: Vec<f64> = base.parameters().iter().map(|p| p.value).collect();
+    let at_nominal = || fit::at_values(&data, coarse.as_ref(), &nominal, fit::Difference::Forward).ok();
+    let bent = options.secants && first.fit.error() > BENT * floor;
+    let nominal = bent.then(at_nominal).flatten();
     let search = search::Search {
         data: &data,
         base: coarse.as_ref(),
         exact: base,
+        nominal: nominal.map(|fit| Candidate::of_base(&data, coarse.as_ref(), fit)),
         seen: &seen,
         admitted,
         options,

@@ -22,6 +22,9 @@ const STARTS: usize = 4;
 /// The same of laws with more parameters, which differ in more than their strength.
 const STARTS_OF_RICHER: usize = 12;
 
+/// Share of what a member explains that another effect must have promised in its place.
+const PROMISING: f64 = 0.1;
+
 /// Values by the parameters' names.
 type Known = Vec<(String, f64)>;
 
@@ -71,8 +74,9 @@ impl Search<'_> {
         let Some(without) = self.index_of(&rest, best) else { return Vec::new() };
         let promises = self.screen_beside(without, 2);
         let most = self.tried[without].fit.cost;
+        let least = PROMISING * (most - cost);
         let mut rivals = Vec::new();
-        for promise in promises.iter().filter(|p| p.effect != leaving && p.drop > 0.0) {
+        for promise in promises.iter().filter(|p| p.effect != leaving && p.drop > least.max(0.0)) {
             let effects = self.with(&rest, &promise.effect);
             let done = |t: &Candidate| t.effects == effects && t.fit.cost <= cost + EQUAL_COST;
             let more = promise.starts.first().is_some_and(|(_, start)| start.len() > old.len());

@@ -33,6 +33,9 @@ pub(super) struct Search<'a> {
     pub base: &'a dyn Model,
     /// The base model itself.
     pub exact: &'a dyn Model,
+    /// The base model at its nominal values, where single effects are screened if it has many parameters: fitted without
+    /// the effect they bend so far that it is hidden, and one linear step from what the maker states is near enough.
+    pub nominal: Option<Candidate>,
     pub seen: &'a Excitation,
     /// Effects to choose from, in the catalogue's order.
     pub admitted: Vec<String>,
@@ -72,8 +75,22 @@ struct Plan {
     known: Vec<(String, f64)>,
     /// Predicted cost.
     cost: f64,
-    /// The candidate that it grows from.
+    /// The candidate that it grows from, or [`NOMINAL`].
     from: usize,
+}
+
+/// Stands for the nominal base model among the candidates that sets grow from.
+const NOMINAL: usize = usize::MAX;
+
+/// The candidates that plans grow from, in the plans' order.
+fn parents(plans: &[Plan]) -> Vec<usize> {
+    let mut parents: Vec<usize> = Vec::new();
+    for plan in plans {
+        if !parents.contains(&plan.from) {
+            parents.push(plan.from);
+        }
+    }
+    parents
 }
 
 impl Search<'_> {
@@ -86,7 +103,7 @@ impl Search<'_> {
             if self.at_floor(best) {
                 break;
             }
-            let mut plans = Vec::new();
+            let mut plans = if size == 1 { self.plans_from_nominal() } else { Vec::new() };
             for &from in &frontier {
                 let found = self.screen_beside(from, size);
                 for promise in &found {
@@ -176,10 +193,24 @@ impl Search<'_> {
         promises
     }
 
+    /// What sets grow from.
+    fn parent(&self, from: usize) -> &Candidate {
+        self.nominal.as_ref().filter(|_| from == NOMINAL).unwrap_or_else(|| &self.tried[from])
+    }
+
+    /// Single effects as they are screened beside the nominal base model, if there is one.
+    fn plans_from_nominal(&self) -> Vec<Plan> {
+        let Some(beside) = &self.nominal else { return Vec::new() };
+        let cards = addable(beside.model.as_ref(), self.seen, &self.admitted);
+        let starts = Starts { most: self.options.starts, first: self.options.starts_first };
+        let promises = screen(self.data, beside, self.seen, &cards, starts);
+        promises.iter().flat_map(|promise| self.plans(NOMINAL, promise)).collect()
+    }
+
     /// A set with one more effect, from its most promising start and the most promising one that is
     /// elsewhere.
     fn plans(&self, from: usize, promise: &Promise) -> Vec<Plan> {
-        let beside = &self.tried[from];
+        let beside = self.parent(from);
         // Near the floor little can be gained, and what promises less than it would have to bring is not worth a fit.
         let near_floor = beside.fit.error() <= NEAR_FLOOR * self.floor;
         let least = if near_floor { 0.5 * worth(beside, self.floor) } else { 0.0 };
@@ -210,13 +241,9 @@ impl Search<'_> {
     /// The sets that are fitted: those of lowest predicted cost that were not fitted yet, from each candidate that they
     /// grow from in turn, the best of these first. What fits much and foresees nothing must not take all the places.
     fn shortlist(&self, plans: &[Plan], most: usize) -> Vec<Vec<String>> {
-        let mut parents: Vec<usize> = Vec::new();
-        for plan in plans {
-            if !parents.contains(&plan.from) {
-                parents.push(plan.from);
-            }
-        }
-        parents.sort_by(|&a, &b| self.mean_square(a).total_cmp(&self.mean_square(b)));
+        let mut parents = parents(plans);
+        let left = |from: usize| if from == NOMINAL { 0.0 } else { self.mean_square(from) };
+        parents.sort_by(|&a, &b| left(a).total_cmp(&left(b)));
         let mut queues: Vec<_> =
             parents.iter().map(|&p| plans.iter().filter(move |plan| plan.from == p)).collect();
         let mut sets: Vec<Vec<String>> = Vec::new();
@@ -242,9 +269,9 @@ impl Search<'_> {
         let sets = self.shortlist(&plans, most);
         (self.progress)(Progress::Fitting { sets: sets.clone() });
         let (data, base, seen, options) = (self.data, self.base, self.seen, self.options);
-        let race = Effort {
+        let race = |near: &Candidate| Effort {
             difference: if options.secants { Difference::Secant } else { Difference::Forward },
-            ..options.effort(&self.tried[0], options.race_steps)
+            ..options.effort(near, options.race_steps)
         };
         let raced: Vec<Option<Candidate>> = sets
             .par_iter()
@@ -252,13 +279,17 @@ impl Search<'_> {
                 let of_set = || plans.iter().filter(|p| p.effects == *set);
                 // Where a wrong model has driven the base parameters far, a search with the right effect may not find back.
                 let lost =
-                    of_set().next().filter(|p| !options.secants && self.is_driven(&self.tried[p.from]));
-                let nominal = lost.map(|p| self.with_nominal_base(p.known.clone()));
-                of_set()
-                    .take(options.starts_fitted)
-                    .map(|p| &p.known)
-                    .chain(&nominal)
-                    .filter_map(|known| Candidate::fitted(data, base, set, seen, known, &race).ok())
+                    of_set().next().filter(|p| !options.secants && self.is_driven(self.parent(p.from)));
+                let lost = lost.map(|p| (p.from, self.with_nominal_base(p.known.clone())));
+                let (nominal, fitted): (Vec<&Plan>, Vec<&Plan>) = of_set().partition(|p| p.from == NOMINAL);
+                let starts =
+                    fitted.into_iter().take(options.starts_fitted).chain(nominal.into_iter().take(1));
+                starts
+                    .map(|p| (p.from, p.known.clone()))
+                    .chain(lost)
+                    .filter_map(|(from, known)| {
+                        Candidate::fitted(data, base, set, seen, &known, &race(self.parent(from))).ok()
+                    })
                     .reduce(|best, other| if other.fit.cost < best.fit.cost { other } else { best })
             })
             .collect();
