@@ -95,7 +95,7 @@ mod tests {
         let to = [1.0, 0.64 + 2.0 * 0.8 * 0.2];
         let (here, there) = (evaluation(&u), evaluation(&to));
         assert!(there.cost > 0.9 * here.cost, "the straight step ends on the wall");
-        let end = bent(&coordinates, (&u, &here), (&to, &there), &[block.clone()], (&a, 0.0))
+        let end = bent(&coordinates, (&u, &here), (&to, &there), std::slice::from_ref(&block), (&a, 0.0))
             .expect("a small correction");
         assert!((end[0] - 1.0).abs() < 1e-9 && (end[1] - 1.0).abs() < 1e-9, "{end:?}");
         // Twice as far the second order is no longer small beside the step.
