@@ -145,3 +145,8 @@ pub fn values_by_name(model: &dyn Model, known: &[(String, f64)]) -> Vec<f64> {
     let value = |name: &str| known.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
     model.parameters().iter().map(|p| value(&p.name).unwrap_or(p.value)).collect()
 }
+
+/// What an effect calls one of its parameters, if it is its own.
+pub(super) fn symbol<'a>(parameter: &'a str, effect: &str) -> Option<&'a str> {
+    parameter.strip_prefix(effect)?.strip_prefix('.')
+}

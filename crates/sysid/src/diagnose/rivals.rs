@@ -5,7 +5,7 @@
 //! and so is the size of each effect: every set that differs in one member is worth another look from there.
 
 use super::Candidate;
-use super::candidate::values_by_name;
+use super::candidate::{symbol, values_by_name};
 use super::compare::clearly_better;
 use super::screen::is_amplitude;
 use super::search::{EQUAL_COST, Search};
@@ -134,9 +134,4 @@ fn alike(parameters: &[Parameter], start: &Known, old: &[(&Parameter, f64)]) -> 
             (name.clone(), same.or(scaled).unwrap_or(*value))
         })
         .collect()
-}
-
-/// What an effect calls one of its parameters, if it is its own.
-fn symbol<'a>(parameter: &'a str, effect: &str) -> Option<&'a str> {
-    parameter.strip_prefix(effect)?.strip_prefix('.')
 }

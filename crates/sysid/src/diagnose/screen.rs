@@ -6,6 +6,7 @@
 //! decides what is fitted, nothing more.
 
 use super::Candidate;
+use super::candidate::symbol;
 use crate::data::Data;
 use crate::fit::{Difference, FitOptions, Signatures, fit};
 use rayon::prelude::*;
@@ -250,7 +251,7 @@ const RACE_STEPS: usize = 2;
 /// A second opinion on a periodic effect, whose promise at a wrong amplitude says little where the rotor sticks
 /// and slips: every period is fitted for a few steps with all else held, and the starts are ranked by that.
 pub fn race_periodic(data: &Data, beside: &Candidate, seen: &Excitation, promise: Promise) -> Promise {
-    let is_phase = |name: &str| name.strip_prefix(&format!("{}.", promise.effect)) == Some(PHASE);
+    let is_phase = |name: &str| symbol(name, &promise.effect) == Some(PHASE);
     let Some((_, first)) = promise.starts.first() else { return promise };
     if !first.iter().any(|(name, _)| is_phase(name)) {
         return promise;

@@ -82,17 +82,6 @@ struct Plan {
 /// Stands for the nominal base model among the candidates that sets grow from.
 const NOMINAL: usize = usize::MAX;
 
-/// The candidates that plans grow from, in the plans' order.
-fn parents(plans: &[Plan]) -> Vec<usize> {
-    let mut parents: Vec<usize> = Vec::new();
-    for plan in plans {
-        if !parents.contains(&plan.from) {
-            parents.push(plan.from);
-        }
-    }
-    parents
-}
-
 impl Search<'_> {
     /// Grows, prunes and compares, from the fitted base model (`tried[0]`).
     pub fn run(mut self) -> Found {
@@ -176,10 +165,8 @@ impl Search<'_> {
         }
         let beside = &self.tried[from];
         (self.progress)(Progress::Screening { beside: beside.effects.clone() });
-        let cards = addable(beside.model.as_ref(), self.seen, &self.admitted);
         let most = if size == 1 { self.options.starts } else { self.options.starts_later };
-        let starts = Starts { most, first: self.options.starts_first };
-        let mut promises = screen(self.data, beside, self.seen, &cards, starts);
+        let mut promises = self.screened(beside, most);
         if self.screened.iter().all(|(i, _)| self.tried[*i].effects.len() < self.tried[from].effects.len())
             && !self.at_floor(from)
         {
@@ -193,6 +180,12 @@ impl Search<'_> {
         promises
     }
 
+    /// What every effect promises beside a candidate, from so many starting values at most.
+    fn screened(&self, beside: &Candidate, most: usize) -> Vec<Promise> {
+        let cards = addable(beside.model.as_ref(), self.seen, &self.admitted);
+        screen(self.data, beside, self.seen, &cards, Starts { most, first: self.options.starts_first })
+    }
+
     /// What sets grow from.
     fn parent(&self, from: usize) -> &Candidate {
         self.nominal.as_ref().filter(|_| from == NOMINAL).unwrap_or_else(|| &self.tried[from])
@@ -201,9 +194,7 @@ impl Search<'_> {
     /// Single effects as they are screened beside the nominal base model, if there is one.
     fn plans_from_nominal(&self) -> Vec<Plan> {
         let Some(beside) = &self.nominal else { return Vec::new() };
-        let cards = addable(beside.model.as_ref(), self.seen, &self.admitted);
-        let starts = Starts { most: self.options.starts, first: self.options.starts_first };
-        let promises = screen(self.data, beside, self.seen, &cards, starts);
+        let promises = self.screened(beside, self.options.starts);
         promises.iter().flat_map(|promise| self.plans(NOMINAL, promise)).collect()
     }
 
@@ -241,7 +232,12 @@ impl Search<'_> {
     /// The sets that are fitted: those of lowest predicted cost that were not fitted yet, from each candidate that they
     /// grow from in turn, the best of these first. What fits much and foresees nothing must not take all the places.
     fn shortlist(&self, plans: &[Plan], most: usize) -> Vec<Vec<String>> {
-        let mut parents = parents(plans);
+        let mut parents: Vec<usize> = Vec::new();
+        for plan in plans {
+            if !parents.contains(&plan.from) {
+                parents.push(plan.from);
+            }
+        }
         let left = |from: usize| if from == NOMINAL { 0.0 } else { self.mean_square(from) };
         parents.sort_by(|&a, &b| left(a).total_cmp(&left(b)));
         let mut queues: Vec<_> =

@@ -1,5 +1,6 @@
 //! How a fitted candidate predicts what was left out of the fit, from the fit to everything.
 
+use super::candidate::symbol;
 use crate::data::{Data, Evaluation};
 use crate::fit::{Fit, dot};
 use nalgebra::{DMatrix, DVector};
@@ -85,12 +86,14 @@ pub(super) fn validate(data: &Data, model: &dyn Model, effects: &[String], fit: 
                     gradient[k] = 0.0;
                 }
             }
-            let shift = solve(left, &gradient);
-            let of_unknown = |k: usize| {
+            let mut shift = solve(left, &gradient);
+            // What has been taken away has no parameters to move.
+            for k in (0..p).filter(|_| without.is_some()) {
                 let name = &fit.parameters[fit.free[k]].name;
-                unknown.iter().any(|e| is_of(name, e))
-            };
-            let stays = |k: usize| without.is_some() && of_unknown(k);
+                if unknown.iter().any(|e| symbol(name, e).is_some()) {
+                    shift[k] = 0.0;
+                }
+            }
             let mut squares = 0.0;
             for &b in &blocks {
                 let residual =
@@ -98,8 +101,7 @@ pub(super) fn validate(data: &Data, model: &dyn Model, effects: &[String], fit: 
                 let residual = &residual[from..to];
                 let columns = &fit.jacobian[b].columns;
                 for (n, r) in residual.iter().enumerate() {
-                    let moved: f64 =
-                        (0..p).filter(|&k| !stays(k)).map(|k| columns[k][from + n] * shift[k]).sum();
+                    let moved: f64 = (0..p).map(|k| columns[k][from + n] * shift[k]).sum();
                     squares += (r + moved).powi(2);
                 }
                 residuals += residual.len();
@@ -108,10 +110,6 @@ pub(super) fn validate(data: &Data, model: &dyn Model, effects: &[String], fit: 
         }
     }
     Validation { stretches, residuals }
-}
-
-fn is_of(parameter: &str, effect: &str) -> bool {
-    parameter.strip_prefix(effect).is_some_and(|rest| rest.starts_with('.'))
 }
 
 /// What an effect changes in the predictions of a fit, squared, in squared noise units.
@@ -151,7 +149,9 @@ fn neutral(model: &dyn Model, fit: &Fit, effects: &[&str]) -> Option<Vec<f64>> {
     let mut values = fit.values.clone();
     for effect in effects {
         let mut any = false;
-        for (value, p) in values.iter_mut().zip(model.parameters()).filter(|(_, p)| is_of(&p.name, effect)) {
+        for (value, p) in
+            values.iter_mut().zip(model.parameters()).filter(|(_, p)| symbol(&p.name, effect).is_some())
+        {
             any |= p.neutral.is_some();
             *value = p.neutral.unwrap_or(*value);
         }

@@ -77,7 +77,7 @@ mod tests {
             sensors: Vec::new(),
             blocks: vec![block],
             cost,
-            rms: (2.0 * cost / 2.0).sqrt(),
+            rms: cost.sqrt(),
         }
     }
 
@@ -98,7 +98,7 @@ mod tests {
         let end = bent(&coordinates, (&u, &here), (&to, &there), std::slice::from_ref(&block), (&a, 0.0))
             .expect("a small correction");
         assert!((end[0] - 1.0).abs() < 1e-9 && (end[1] - 1.0).abs() < 1e-9, "{end:?}");
-        // Twice as far the second order is no longer small beside the step.
+        // Eleven times as far the second order is no longer small beside the step.
         let far = [3.0, 0.64 + 2.0 * 0.8 * 2.2];
         assert_eq!(bent(&coordinates, (&u, &here), (&far, &evaluation(&far)), &[block], (&a, 0.0)), None);
     }
