@@ -93,6 +93,25 @@ impl Prediction {
     pub fn internal(&self, name: &str) -> Option<&[f64]> {
         self.internals.iter().find(|s| s.channel == name).map(|s| s.values.as_slice())
     }
+
+    /// The internal signal with a name at a place of a leg, `PLACE.NAME`; the place of a bench's only actuator is empty.
+    #[must_use]
+    pub fn internal_at(&self, place: &str, name: &str) -> Option<&[f64]> {
+        if place.is_empty() { self.internal(name) } else { self.internal(&format!("{place}.{name}")) }
+    }
+
+    /// The places that internal signals belong to, each once, in their order.
+    #[must_use]
+    pub fn places(&self) -> Vec<&str> {
+        let mut places: Vec<&str> = Vec::new();
+        for signal in &self.internals {
+            let place = signal.channel.rsplit_once('.').map_or("", |(place, _)| place);
+            if !places.contains(&place) {
+                places.push(place);
+            }
+        }
+        places
+    }
 }
 
 /// Names of internal signals.
@@ -110,6 +129,8 @@ pub mod internal {
     pub const SPRING_DEFLECTION: &str = "spring_deflection";
     /// Force of the motor on the screw `F_m`: N or N m.
     pub const MOTOR_FORCE: &str = "motor_force";
+    /// Force of the spring on the output, of an actuator in a leg: N.
+    pub const SPRING_FORCE: &str = "spring_force";
     /// Rotor angle, rad.
     pub const ROTOR_ANGLE: &str = "rotor_angle_rad";
     /// Rotor speed, rad/s.

@@ -8,7 +8,7 @@
 //! in the shape of friction.
 
 use crate::data::{Data, Evaluation};
-use crate::{resample, stats};
+use crate::{locate, resample, stats};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sealegs_model::internal;
@@ -36,6 +36,9 @@ impl StructureTest {
     }
 }
 
+/// What white noise does not depend on.
+pub(crate) const OWN_PAST: &str = "its own past";
+
 /// Harmonics of the rotor's turn that are tried.
 const HARMONICS: usize = 24;
 /// Lags of the input, in samples.
@@ -44,16 +47,24 @@ const LAGS: [usize; 10] = [0, 1, 2, 3, 5, 8, 13, 21, 34, 55];
 /// All tests over one or several evaluations.
 #[must_use]
 pub fn tests(parts: &[(&Data, &Evaluation)]) -> Vec<StructureTest> {
-    let columns = |build: &(dyn Fn(&Series) -> Option<Vec<Vec<f64>>> + Sync)| regress(parts, build);
+    let places = locate::places(parts);
+    // Of the actuators of a leg the one that explains most; the best of many is larger by chance than any one of them.
+    let columns = |build: &Columns| {
+        let each = places.iter().map(|place| regress(parts, place, build));
+        let best = each.max_by(|a, b| a.explained.total_cmp(&b.explained));
+        best.map_or(Outcome::NOTHING, |o| Outcome { by_chance: places.len() as f64 * o.by_chance, ..o })
+    };
     let mut tests = vec![whiteness(parts)];
-    let mut push = |on, suggests, outcome: Outcome, detail| {
-        let Outcome { explained, by_chance } = outcome;
+    let mut push = |on, suggests, outcome: Outcome, detail: Option<String>| {
+        let Outcome { explained, by_chance, place } = outcome;
+        let place = (!place.is_empty()).then(|| format!("at {place}"));
+        let detail = detail.into_iter().chain(place).reduce(|a, b| format!("{a} {b}"));
         tests.push(StructureTest { on, explained, by_chance, detail, suggests });
     };
     push(
         "past input",
         "linear dynamics that the model lacks or has wrong: a delay or lag in drive or sensor, a resonance, a parameter at its bound",
-        columns(&|s| {
+        regress(parts, "", &|s| {
             let u = s.input.as_ref()?;
             Some(LAGS.iter().map(|&lag| (0..u.len()).map(|i| u[i.saturating_sub(lag)]).collect()).collect())
         }),
@@ -109,13 +120,13 @@ pub fn tests(parts: &[(&Data, &Evaluation)]) -> Vec<StructureTest> {
         harmonics.iter().enumerate().max_by(|a, b| a.1.explained.total_cmp(&b.1.explained))
     {
         // The best of many is larger by chance than any one of them.
-        let outcome = Outcome { explained: best.explained, by_chance: 2.0 * best.by_chance };
+        let outcome = Outcome { by_chance: 2.0 * best.by_chance, ..*best };
         push("rotor angle", "torque-ripple", outcome, Some(format!("{} cycles a turn", n + 1)));
     }
     push(
         "time in the run",
         "drift: warming up, a creeping zero; or an excitation whose amplitude changes with time",
-        columns(&|s| Some(vec![s.time.clone()])),
+        regress(parts, "", &|s| Some(vec![s.time.clone()])),
         None,
     );
     tests
@@ -125,6 +136,7 @@ pub fn tests(parts: &[(&Data, &Evaluation)]) -> Vec<StructureTest> {
 struct Series<'a> {
     data: &'a Data<'a>,
     at: &'a Evaluation,
+    place: &'a str,
     run: usize,
     time: Vec<f64>,
     input: Option<Vec<f64>>,
@@ -132,21 +144,26 @@ struct Series<'a> {
 
 impl Series<'_> {
     fn signal(&self, name: &str) -> Option<Vec<f64>> {
-        let values = self.at.predictions[self.run].internal(name)?;
+        let values = self.at.predictions[self.run].internal_at(self.place, name)?;
         Some(self.data.runs[self.run].rows().map(|i| values[i]).collect())
     }
 }
 
-struct Outcome {
+/// What makes the columns of a regression out of a run; none where it has no such signal.
+type Columns<'c> = dyn Fn(&Series) -> Option<Vec<Vec<f64>>> + Sync + 'c;
+
+struct Outcome<'p> {
     explained: f64,
     by_chance: f64,
+    place: &'p str,
 }
 
-/// Regresses every block's residual on a mean and the columns that `build` makes of its run.
-fn regress(
-    parts: &[(&Data, &Evaluation)],
-    build: &(dyn Fn(&Series) -> Option<Vec<Vec<f64>>> + Sync),
-) -> Outcome {
+impl Outcome<'_> {
+    const NOTHING: Self = Self { explained: 0.0, by_chance: 1.0, place: "" };
+}
+
+/// Regresses every block's residual on a mean and the columns that `build` makes of its run's signals at a place.
+fn regress<'p>(parts: &[(&Data, &Evaluation)], place: &'p str, build: &Columns) -> Outcome<'p> {
     let jobs: Vec<(&Data, &Evaluation, usize)> =
         parts.iter().flat_map(|(d, e)| (0..e.blocks.len()).map(move |b| (*d, *e, b))).collect();
     let sums: Vec<(f64, f64, f64)> = jobs
@@ -157,6 +174,7 @@ fn regress(
             let series = Series {
                 data,
                 at,
+                place,
                 run: block.run,
                 time: run.rows().map(|i| run.record.time_s[i]).collect(),
                 input: run.record.inputs.first().map(|s| run.rows().map(|i| s.values[i]).collect()),
@@ -177,9 +195,9 @@ fn regress(
         chance += c;
     }
     if total > 0.0 {
-        Outcome { explained: part / total, by_chance: chance / total }
+        Outcome { explained: part / total, by_chance: chance / total, place }
     } else {
-        Outcome { explained: 0.0, by_chance: 1.0 }
+        Outcome::NOTHING
     }
 }
 
@@ -249,7 +267,7 @@ fn whiteness(parts: &[(&Data, &Evaluation)]) -> StructureTest {
         }
     }
     StructureTest {
-        on: "its own past",
+        on: OWN_PAST,
         explained: if total > 0.0 { part / total } else { 0.0 },
         by_chance: 8.0 / f64::max(rows, 1.0),
         detail: (weight > 0.0).then(|| format!("correlation time {:.1} ms", 1e3 * time / weight)),

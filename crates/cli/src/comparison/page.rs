@@ -7,6 +7,7 @@ use crate::diagnosis::text::figures;
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue, Marker};
 use sealegs_recorder::report::{self, Report, Table, Tone};
 use sealegs_sysid::frequency::ChannelResponse;
+use sealegs_sysid::locate::Region;
 use sealegs_sysid::residual;
 
 /// Runs of which the motion is drawn: of each role the one with the greatest error.
@@ -62,11 +63,11 @@ pub(crate) fn place(page: &mut Report, compared: &Compared) {
     } else {
         page.list(&worst.iter().map(|r| r.sentence()).collect::<Vec<_>>());
     }
-    let mut axes: Vec<&str> = compared.location.regions.iter().map(|r| r.axis).collect();
+    let mut axes: Vec<String> = compared.location.regions.iter().map(Region::subject).collect();
     axes.dedup();
     page.details("All regions", |page| {
         for axis in axes {
-            let bars = compared.location.regions.iter().filter(|r| r.axis == axis);
+            let bars = compared.location.regions.iter().filter(|r| r.subject() == axis);
             let chart = BarChart {
                 title: format!("By {axis}"),
                 axis: Axis::new("share", "%"),

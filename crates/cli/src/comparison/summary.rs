@@ -80,7 +80,7 @@ pub struct Line {
 /// One region.
 #[derive(Serialize)]
 pub struct Place {
-    axis: &'static str,
+    axis: String,
     label: String,
     sample_share: f64,
     error_share: f64,
@@ -163,7 +163,7 @@ impl Summary {
                 .regions
                 .iter()
                 .map(|r| Place {
-                    axis: r.axis,
+                    axis: r.subject(),
                     label: r.label.clone(),
                     sample_share: r.sample_share,
                     error_share: r.error_share,

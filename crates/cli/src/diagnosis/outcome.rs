@@ -29,6 +29,8 @@ pub struct Outcome {
     pub next_experiment: String,
     /// The verdict in one sentence.
     pub sentence: String,
+    /// What is left and not explained: its frequency, what it follows, where it is largest; empty where nothing is left.
+    pub remainder: Vec<String>,
     /// What else a reader should know: the files' oddities.
     pub notes: Vec<String>,
     /// What it cost.
@@ -185,6 +187,7 @@ impl Outcome {
                 .collect(),
             next_experiment,
             sentence: String::new(),
+            remainder: verdict.remainder.clone(),
             notes: campaign.notes.clone(),
             work: Work { simulations: diagnosis.simulations, simulated_s: diagnosis.simulated_s },
             provenance,

@@ -66,13 +66,12 @@ fn verdict(page: &mut Report, o: &Outcome) {
         "unexplained" => Tone::Bad,
         _ => Tone::Neutral,
     };
-    let support = if o.indistinguishable.is_empty() {
-        String::new()
-    } else {
+    let mut support = o.remainder.clone();
+    if !o.indistinguishable.is_empty() {
         let sets: Vec<String> = o.indistinguishable.iter().map(|s| s.join(" + ")).collect();
-        format!("These data cannot tell it from {}.", sets.join(", nor from "))
-    };
-    page.verdict(tone, &o.sentence, &support);
+        support.push(format!("These data cannot tell it from {}.", sets.join(", nor from ")));
+    }
+    page.verdict(tone, &o.sentence, &support.join(" "));
 }
 
 fn errors(page: &mut Report, story: &Story) {

@@ -14,6 +14,12 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     let o = &mut out;
     let _ = writeln!(o, "{}: {}", outcome.campaign, outcome.sentence);
     let _ = writeln!(o);
+    for sentence in &outcome.remainder {
+        let _ = writeln!(o, "  {sentence}");
+    }
+    if !outcome.remainder.is_empty() {
+        let _ = writeln!(o);
+    }
     let _ = writeln!(o, "  error in noise units      fit runs   held-out runs");
     let mut error = |name: &str, side: &Side| {
         let _ = writeln!(o, "  {name:<24} {:>9.3} {:>15.3}", side.fit_error, side.holdout_error);

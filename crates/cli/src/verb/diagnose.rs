@@ -86,7 +86,12 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
         if let Some(destination) = rrd {
             let recording = comparison::recording(
                 &story.compared,
-                format!("{}\n\n{}", outcome.sentence, outcome.next_experiment),
+                format!(
+                    "{}\n\n{}\n\n{}",
+                    outcome.sentence,
+                    outcome.remainder.join(" "),
+                    outcome.next_experiment
+                ),
             );
             if let Some(part) = destination.part() {
                 recording.write(&Output::File(part.to_owned()))?;

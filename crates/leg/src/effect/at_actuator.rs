@@ -29,7 +29,7 @@ fn seen_at(place: &str, seen: &Excitation) -> Excitation {
         .collect();
     // Where no current flows the spring's force is the measure of what a friction would be felt beside.
     let peak = |name: &str| ranges.iter().find(|r| r.name == name).map_or(0.0, SignalRange::peak);
-    let spring = peak(super::placed::SPRING_FORCE);
+    let spring = peak(internal::SPRING_FORCE);
     if peak(internal::MOTOR_FORCE) < 0.1 * spring {
         ranges.retain(|r| r.name != internal::MOTOR_FORCE);
         let name = internal::MOTOR_FORCE.to_owned();

@@ -11,9 +11,6 @@ use sealegs_actuator::plant::Laws;
 use sealegs_model::{EffectCard, Excitation};
 use std::sync::Arc;
 
-/// Name of the internal signal with a spring's force, N, after its actuator's.
-pub(crate) const SPRING_FORCE: &str = "spring_force";
-
 /// An effect of one of the catalogues, or a user's own.
 #[derive(Debug, Clone)]
 pub(crate) enum EffectRef {

@@ -3,7 +3,7 @@
 use super::Case;
 use crate::LegError;
 use crate::channel::Channel;
-use crate::effect::{Placed, SPRING_FORCE};
+use crate::effect::Placed;
 use crate::robot::Robot;
 use crate::scenario::{MOST_STEPS, Scenario};
 use crate::simulation::{EventLevel, Simulation};
@@ -42,7 +42,7 @@ impl Input {
 
 /// Internal signals of each actuator, which effects choose their guesses by.
 const INTERNALS: [&str; 4] =
-    [internal::MOTOR_FORCE, internal::SCREW_SPEED, internal::SPRING_DEFLECTION, SPRING_FORCE];
+    [internal::MOTOR_FORCE, internal::SCREW_SPEED, internal::SPRING_DEFLECTION, internal::SPRING_FORCE];
 
 /// Runs a case's scenario, already with parameter values in it, to the end of a record.
 pub(super) fn predict(

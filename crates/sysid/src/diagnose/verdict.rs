@@ -4,6 +4,7 @@ use super::Candidate;
 use super::search::Found;
 use crate::Error;
 use crate::data::{Data, Evaluation};
+use crate::locate::remainder;
 use rayon::prelude::*;
 
 /// Error above the floor, as a ratio, up to which a model is called adequate.
@@ -78,6 +79,8 @@ pub struct Verdict {
     pub after_holdout: Evaluation,
     /// Part of the residual energy above the floor that is left.
     pub unexplained_share: f64,
+    /// What is left and not explained, in sentences; empty where nothing is.
+    pub remainder: Vec<String>,
     /// All sets worth showing, best first.
     pub ranking: Vec<Judged>,
 }
@@ -140,8 +143,10 @@ pub(super) fn judge(holdout: &Data, found: &Found, floor: f64) -> Result<Verdict
     } else {
         (base_judged.clone(), base_holdout.clone())
     };
+    let left = matches!(kind, VerdictKind::PartlyExplained | VerdictKind::Unexplained);
     Ok(Verdict {
         kind,
+        remainder: if left { remainder(&[(holdout, &after_holdout)]) } else { Vec::new() },
         effects: if named { chosen.effects.clone() } else { Vec::new() },
         indistinguishable: if named {
             found.tied.iter().map(|&i| found.tried[i].effects.clone()).collect()

@@ -43,7 +43,7 @@ impl Cells {
         }
     }
 
-    pub fn regions(self, axis: &'static str) -> Vec<Region> {
+    pub fn regions(self, axis: &'static str, place: &str) -> Vec<Region> {
         let (rows, total): (f64, f64) = (self.count.iter().sum(), self.squares.iter().sum());
         let mean =
             |squares: f64, count: f64| if count > 0.0 { (squares.max(0.0) / count).sqrt() } else { 0.0 };
@@ -51,6 +51,7 @@ impl Cells {
             .filter(|&i| self.count[i] > 0.0 && self.labels.len() > 1 && total > 0.0)
             .map(|i| Region {
                 axis,
+                place: place.to_owned(),
                 label: self.labels[i].clone(),
                 sample_share: self.count[i] / rows,
                 error_share: self.squares[i] / total,
@@ -78,6 +79,11 @@ impl Axis {
         Self::Time,
     ];
 
+    /// Whether it is cut by signals inside an actuator; a leg has several.
+    pub fn is_inside(self) -> bool {
+        !matches!(self, Self::Channel | Self::Run | Self::Amplitude | Self::Time)
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             Self::Channel => "channel",
@@ -93,14 +99,14 @@ impl Axis {
         }
     }
 
-    /// Labels and limits of the regions, from what the parts contain.
-    pub fn cells(self, parts: &[(&Data, &Evaluation)]) -> (Vec<String>, Vec<f64>) {
+    /// Labels and limits of the regions, from what the parts contain; of signals at a place.
+    pub fn cells(self, at: &str, parts: &[(&Data, &Evaluation)]) -> (Vec<String>, Vec<f64>) {
         let rotary = parts.iter().any(|(d, _)| {
             d.channels.iter().any(|c| c.name.ends_with("torque_nm") || c.name == "spring_deflection_rad")
         });
         let unit = |linear: &str, angular: &str| if rotary { angular.to_owned() } else { linear.to_owned() };
         let peak = |name: &str| {
-            let all: Vec<f64> = internals(parts, name).map(f64::abs).collect();
+            let all: Vec<f64> = internals(parts, at, name).map(f64::abs).collect();
             stats::quantile(&all, 0.999)
         };
         match self {
@@ -131,7 +137,7 @@ impl Axis {
                 (words.map(str::to_owned).to_vec(), vec![-edge, edge])
             }
             Self::Load => {
-                let edges = signed(peak(internal::SCREW_FORCE));
+                let edges = signed(peak(internal::SCREW_FORCE).max(peak(internal::SPRING_FORCE)));
                 (between(&edges, &unit("N", "N m"), true), edges)
             }
             Self::Deflection => {
@@ -176,16 +182,17 @@ impl Axis {
         }
     }
 
-    /// How to place the rows of one run; `None` if the model has no such signal.
+    /// How to place the rows of one run by signals at a place; `None` if the model has no such signal.
     pub fn place<'a>(
         self,
+        site: &str,
         cells: &Cells,
         part: usize,
         data: &'a Data,
         at: &'a Evaluation,
         run: usize,
     ) -> Option<Place<'a>> {
-        let prediction = &at.predictions[run];
+        let inside = |name: &str| at.predictions[run].internal_at(site, name);
         let edges = cells.edges.clone();
         let find = move |v: f64| edges.partition_point(|&e| e <= v);
         let record = data.runs[run].record;
@@ -203,23 +210,23 @@ impl Axis {
                 Box::new(move |_, _| nth)
             }
             Self::Speed => {
-                let v = prediction.internal(internal::SCREW_SPEED)?;
+                let v = inside(internal::SCREW_SPEED)?;
                 Box::new(move |i, _| find(v[i].abs()))
             }
             Self::Direction => {
-                let v = prediction.internal(internal::SCREW_SPEED)?;
+                let v = inside(internal::SCREW_SPEED)?;
                 Box::new(move |i, _| find(v[i]))
             }
             Self::Load => {
-                let v = prediction.internal(internal::SCREW_FORCE)?;
+                let v = inside(internal::SCREW_FORCE).or_else(|| inside(internal::SPRING_FORCE))?;
                 Box::new(move |i, _| find(v[i]))
             }
             Self::Deflection => {
-                let v = prediction.internal(internal::SPRING_DEFLECTION)?;
+                let v = inside(internal::SPRING_DEFLECTION)?;
                 Box::new(move |i, _| find(v[i]))
             }
             Self::RotorAngle => {
-                let v = prediction.internal(internal::ROTOR_ANGLE)?;
+                let v = inside(internal::ROTOR_ANGLE)?;
                 Box::new(move |i, _| find(v[i].rem_euclid(TAU)))
             }
             Self::Amplitude => {
@@ -230,7 +237,7 @@ impl Axis {
                 Box::new(move |i, _| find(v[i]))
             }
             Self::SinceReversal => {
-                let v = since_reversal(&record.time_s, prediction.internal(internal::SCREW_SPEED)?);
+                let v = since_reversal(&record.time_s, inside(internal::SCREW_SPEED)?);
                 Box::new(move |i, _| find(v[i]))
             }
             Self::Time => Box::new(move |i, _| find(record.time_s[i])),
@@ -239,14 +246,15 @@ impl Axis {
     }
 }
 
-/// Values of an internal signal at the rows that count, over all parts.
+/// Values of an internal signal of a place at the rows that count, over all parts.
 fn internals<'a>(
     parts: &'a [(&'a Data<'a>, &'a Evaluation)],
+    place: &'a str,
     name: &'a str,
 ) -> impl Iterator<Item = f64> + 'a {
     parts.iter().flat_map(move |(data, at)| {
         data.runs.iter().zip(&at.predictions).flat_map(move |(run, prediction)| {
-            prediction.internal(name).into_iter().flat_map(move |v| run.rows().map(move |i| v[i]))
+            prediction.internal_at(place, name).into_iter().flat_map(move |v| run.rows().map(move |i| v[i]))
         })
     })
 }

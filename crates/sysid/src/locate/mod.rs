@@ -1,11 +1,14 @@
 //! Where the residual sits: by channel, run, speed, direction, load, deflection, rotor angle, amplitude,
-//! time since the last reversal, time in the run, and frequency band.
+//! time since the last reversal, time in the run, and frequency band; on a leg, by each actuator's.
 //!
 //! Each axis cuts the samples into regions. A region with a share of the squared error that is much larger
 //! than its share of the samples is where the model fails; the worst few become plain sentences.
 
 mod axis;
 mod band;
+mod remainder;
+
+pub use remainder::remainder;
 
 use crate::data::{Data, Evaluation};
 use axis::{Axis, Cells};
@@ -15,6 +18,8 @@ use axis::{Axis, Cells};
 pub struct Region {
     /// What the axis measures, for example `screw speed`.
     pub axis: &'static str,
+    /// At which actuator of a leg; empty on a bench, and for what is no actuator's.
+    pub place: String,
     /// Which part, for example `below 0.8 mm/s`.
     pub label: String,
     /// Share of the samples; of the bandwidth for a frequency band.
@@ -34,6 +39,12 @@ impl Region {
         self.error_share - self.sample_share
     }
 
+    /// What the axis measures, and where: `screw speed`, `screw speed of knee`.
+    #[must_use]
+    pub fn subject(&self) -> String {
+        if self.place.is_empty() { self.axis.to_owned() } else { format!("{} of {}", self.axis, self.place) }
+    }
+
     /// The region as a sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
@@ -42,7 +53,7 @@ impl Region {
             "{:.0} % of the squared error sits in {:.0} % of the {of}: {} {} (error {} noise units there, {} elsewhere).",
             100.0 * self.error_share,
             100.0 * self.sample_share,
-            self.axis,
+            self.subject(),
             self.label,
             short(self.error),
             short(self.error_elsewhere),
@@ -63,11 +74,14 @@ impl Location {
     /// A region must have at least this much more of the error than of the samples to be worth a sentence.
     const LEAST_EXCESS: f64 = 0.08;
 
+    /// Root mean square residual, in noise units, below which there is nothing to locate.
+    const NOTHING_LEFT: f64 = 1.05;
+
     /// The worst regions, at most one of each axis and `most` in all, the worst first; none where the
     /// residual is at the noise floor.
     #[must_use]
     pub fn worst(&self, most: usize) -> Vec<&Region> {
-        if self.error < 1.05 {
+        if self.error < Self::NOTHING_LEFT {
             return Vec::new();
         }
         let mut found: Vec<&Region> =
@@ -89,27 +103,35 @@ impl Location {
 #[must_use]
 pub fn locate(parts: &[(&Data, &Evaluation)]) -> Location {
     let mut regions = Vec::new();
+    let sites = places(parts);
     for axis in Axis::ALL {
-        let mut cells = Cells::new(axis.cells(parts));
-        for (part, (data, at)) in parts.iter().enumerate() {
-            for run in 0..data.runs.len() {
-                let Some(place) = axis.place(&cells, part, data, at, run) else { continue };
-                for block in at.blocks.iter().filter(|b| b.run == run) {
-                    for (r, i) in block.residual.iter().zip(data.runs[run].rows()) {
-                        cells.add(place(i, block.channel), r * r);
+        for site in if axis.is_inside() { &sites[..] } else { &[""] } {
+            let mut cells = Cells::new(axis.cells(site, parts));
+            for (part, (data, at)) in parts.iter().enumerate() {
+                for run in 0..data.runs.len() {
+                    let Some(place) = axis.place(site, &cells, part, data, at, run) else { continue };
+                    for block in at.blocks.iter().filter(|b| b.run == run) {
+                        for (r, i) in block.residual.iter().zip(data.runs[run].rows()) {
+                            cells.add(place(i, block.channel), r * r);
+                        }
                     }
                 }
             }
+            regions.extend(cells.regions(axis.name(), site));
         }
-        regions.extend(cells.regions(axis.name()));
     }
     regions.extend(band::regions(parts));
     let evaluations: Vec<&Evaluation> = parts.iter().map(|(_, e)| *e).collect();
     Location { regions, error: crate::residual::pooled(&evaluations) }
 }
 
+/// The places of the predictions' internal signals: one without a name on a bench, the actuators of a leg.
+pub(crate) fn places<'a>(parts: &[(&Data, &'a Evaluation)]) -> Vec<&'a str> {
+    parts.iter().find_map(|(_, at)| at.predictions.first()).map_or_else(Vec::new, |p| p.places())
+}
+
 /// Three significant digits.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     match value.abs() {
         v if v >= 100.0 => format!("{value:.0}"),
         v if v >= 10.0 => format!("{value:.1}"),
