@@ -169,6 +169,13 @@ impl<'a> Data<'a> {
         (self.simulations.load(Ordering::Relaxed), ms as f64 * 1e-3)
     }
 
+    /// Counts the work that was done on a part of these data.
+    pub fn add_work(&self, part: &Data) {
+        let (simulations, ms) = (&part.simulations, &part.simulated_ms);
+        self.simulations.fetch_add(simulations.load(Ordering::Relaxed), Ordering::Relaxed);
+        self.simulated_ms.fetch_add(ms.load(Ordering::Relaxed), Ordering::Relaxed);
+    }
+
     /// Predicts one run.
     ///
     /// # Errors

@@ -24,6 +24,7 @@ mod error;
 pub mod fit;
 pub mod frequency;
 pub mod frf;
+pub mod friction;
 pub mod locate;
 pub mod nuisance;
 pub mod resample;

@@ -13,7 +13,7 @@ const BEFORE: &str = "before";
 const AFTER: &str = "after";
 
 /// What a model says a sensor shows, at all time stamps of a run.
-fn shown(part: &Part, at: &Evaluation, run: usize, slot: usize) -> Option<Vec<f64>> {
+pub(super) fn shown(part: &Part, at: &Evaluation, run: usize, slot: usize) -> Option<Vec<f64>> {
     let r = &part.data.runs[run];
     let sensor = &at.sensors[r.channels[slot]];
     let bias = sensor.bias_of(run);

@@ -2,6 +2,7 @@
 
 pub mod addition;
 mod figures;
+mod friction;
 pub mod outcome;
 mod page;
 pub mod plan;

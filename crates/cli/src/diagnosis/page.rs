@@ -1,9 +1,9 @@
 //! A diagnosis as one self-contained page, from the verdict down to where everything came from.
 
-use super::figures;
 use super::outcome::{Outcome, percent};
 use super::story::Story;
 use super::text::{digits_for, evidence, figures as number};
+use super::{figures, friction};
 use crate::comparison::page::{depends, place};
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue};
 use sealegs_recorder::report::{self, Report, Table, Tone};
@@ -29,6 +29,7 @@ pub fn of(story: &Story) -> String {
     figures::motion(&mut page, story);
     figures::responses(&mut page, story);
     figures::maps(&mut page, story);
+    friction::curve(&mut page, story);
     figures::law(&mut page, story);
     if outcome.verdict != "added" {
         ambiguity(&mut page, outcome);

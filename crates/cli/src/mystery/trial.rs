@@ -15,6 +15,9 @@ const COARSE_SUBSTEPS: usize = 20;
 /// Duration of the runs while a strength is looked for, s: the same commands in less time.
 const SHORT_S: f64 = 6.0;
 
+/// Error of the fit runs below which they do not show an effect.
+const FELT: f64 = 1.15;
+
 /// How far the model without an effect fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Strength {
@@ -102,7 +105,8 @@ pub fn campaign_of(made: &Made) -> anyhow::Result<(Campaign, BenchModel)> {
     Ok((campaign, model))
 }
 
-/// The refitted base model's error on the holdout runs, in noise units.
+/// The refitted base model's error on the holdout runs, in noise units; that of the fit runs where they are at the noise
+/// floor, for what only held-out runs show cannot be found.
 ///
 /// # Errors
 ///
@@ -112,6 +116,9 @@ pub fn base_error(made: &Made) -> anyhow::Result<f64> {
     let data = Data::new(&campaign, Some(Role::Fit), &model)?;
     let holdout = Data::new(&campaign, Some(Role::Holdout), &model)?;
     let fitted = fit::fit(&data, &model, &FitOptions::default())?;
+    if fitted.error() < FELT {
+        return Ok(fitted.error());
+    }
     Ok(holdout.judge(&model, &fitted.values, fitted.sensors())?.rms)
 }
 
@@ -147,5 +154,8 @@ pub fn visible(order: &Order, id: &str, strength: Strength) -> anyhow::Result<Op
         return Ok(None);
     };
     let admitted = admitted(&short(amount).make())?;
-    Ok(admitted.then(|| Hidden::drawn(id, order.seed, amount)))
+    // Whole runs may be driven otherwise than short ones.
+    let whole = Order { duration_s: order.duration_s, ..short(amount) };
+    let shows = order.duration_s <= SHORT_S || base_error(&whole.make())? >= FELT;
+    Ok((admitted && shows).then(|| Hidden::drawn(id, order.seed, amount)))
 }

@@ -81,7 +81,7 @@ fn reversals(speed: &[f64], threshold: f64) -> usize {
 }
 
 /// Frequencies below which 5 % and 95 % of the power lie.
-fn band(time_s: &[f64], values: &[f64], hold: bool) -> Option<(f64, f64)> {
+pub(crate) fn band(time_s: &[f64], values: &[f64], hold: bool) -> Option<(f64, f64)> {
     let period = stats::median_period(time_s);
     let mut even = resample::uniform(time_s, values, period, hold);
     let mean = stats::mean(&even);

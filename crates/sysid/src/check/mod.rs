@@ -8,6 +8,7 @@
 
 mod excitation;
 
+pub(crate) use excitation::band;
 pub use excitation::{Excited, of_run};
 
 use crate::campaign::quantum;

@@ -1,5 +1,6 @@
 //! A set of effects beside the base model, fitted to the fit runs and cross-validated inside them.
 
+use super::rugged;
 use super::validation::{Validation, validate};
 use crate::Error;
 use crate::data::Data;
@@ -87,6 +88,7 @@ impl Candidate {
             difference: effort.difference,
             secants: effort.columns.is_some(),
             columns: effort.columns.clone(),
+            held: rugged::held(model.as_ref()),
             ..FitOptions::default()
         };
         let fit = fit(data, model.as_ref(), &options)?;
@@ -117,7 +119,7 @@ impl Candidate {
     /// Number of parameters that the effects add and a fit may change.
     #[must_use]
     pub fn effect_parameters(&self) -> usize {
-        self.fit.parameters.iter().filter(|p| !p.fixed && p.name.contains('.')).count()
+        self.model.parameters().iter().filter(|p| !p.fixed && p.name.contains('.')).count()
     }
 }
 

@@ -1,11 +1,14 @@
 //! What leads a race is fitted to the end: further steps, other starts where it came to rest on its way, and at last
 //! the model itself in the place of the search's coarser one.
 
+use super::candidate::symbol;
+use super::screen::{LISTED, PHASE};
 use super::search::{AT_FLOOR, Search};
-use super::{Candidate, with_effects};
+use super::{Candidate, rugged, with_effects};
 use crate::fit::{self, Difference, FitOptions, FittedParameter};
 use rayon::prelude::*;
 use sealegs_model::Scale;
+use std::f64::consts::{PI, TAU};
 
 /// Prior standard deviations from its nominal value beyond which a base parameter is suspected to have been driven there.
 const FAR: f64 = 2.5;
@@ -23,6 +26,12 @@ const VALLEYS: usize = 3;
 /// Steps in which the other parameters follow one that was moved.
 const FOLLOWING_STEPS: usize = 3;
 
+/// Distance from a whole number, as a ratio, beyond which a fit has come to rest between two.
+const WHOLE: f64 = 3e-4;
+
+/// Phases that are tried at a whole number.
+const QUARTERS: u32 = 4;
+
 /// Share of the cost that another valley must gain at once where a fit is dear.
 const BETTER: f64 = 0.02;
 
@@ -31,11 +40,20 @@ impl Search<'_> {
     pub(super) fn finished(&self, candidate: Candidate) -> Candidate {
         // With secants alone an end is only a guess.
         if candidate.fit.converged && !self.options.secants {
+            return self.tuned(candidate);
+        }
+        let fitted = self
+            .fitted_near(&candidate, &candidate.effects, &candidate.known())
+            .filter(|f| f.fit.cost <= candidate.fit.cost);
+        self.tuned(fitted.unwrap_or(candidate))
+    }
+
+    /// The candidate with its rugged parameters looked for again, where simulations are cheap.
+    fn tuned(&self, candidate: Candidate) -> Candidate {
+        if self.options.secants {
             return candidate;
         }
-        self.fitted_near(&candidate, &candidate.effects, &candidate.known())
-            .filter(|f| f.fit.cost <= candidate.fit.cost)
-            .unwrap_or(candidate)
+        rugged::tuned(self.data, candidate, |near, known| self.fitted_near(near, &near.effects, known))
     }
 
     /// The candidate, or its fit from the base parameters' nominal values if that is better: without an effect a wrong
@@ -103,6 +121,59 @@ impl Search<'_> {
         candidate
     }
 
+    /// The candidate, or its fit from the nearest whole number of periods if that is better: with a number that is a
+    /// little off, the wave fits a part of the motion only, and steps down the slope do not cross to the next part.
+    pub(super) fn whole(&self, candidate: Candidate) -> Candidate {
+        if candidate.fit.error() <= AT_FLOOR * self.floor {
+            return candidate;
+        }
+        let (fit, model) = (&candidate.fit, candidate.model.as_ref());
+        let near = |i: usize| {
+            let p = &model.parameters()[i];
+            let listed = (p.starts.len() >= LISTED && p.scale == Scale::Linear).then_some(&p.starts)?;
+            let distance = |s: f64| (s - fit.values[i]).abs();
+            let nearest = listed.iter().copied().min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
+            (distance(nearest) > WHOLE * nearest.abs()).then_some(nearest)
+        };
+        let Some((i, number)) = fit.free.iter().find_map(|&i| near(i).map(|n| (i, n))) else {
+            return candidate;
+        };
+        let name = model.parameters()[i].name.clone();
+        let effect = name.rsplit_once('.').map_or("", |(effect, _)| effect);
+        let phase = model.parameters().iter().position(|p| symbol(&p.name, effect) == Some(PHASE));
+        let turned: Vec<Vec<f64>> = (0..QUARTERS)
+            .map(|quarter| {
+                let mut values = fit.values.clone();
+                values[i] = number;
+                if let Some(phase) = phase {
+                    let turn = f64::from(quarter) * TAU / f64::from(QUARTERS);
+                    values[phase] = (values[phase] + turn + PI).rem_euclid(TAU) - PI;
+                }
+                values
+            })
+            .collect();
+        let followed = turned.into_par_iter().filter_map(|start| {
+            let options = FitOptions {
+                start: Some(start),
+                starts: 1,
+                max_steps: self.options.race_steps,
+                difference: Difference::Forward,
+                held: vec![name.clone()],
+                ..FitOptions::default()
+            };
+            fit::fit(self.data, model, &options).ok().map(|f| (f.cost, f.values))
+        });
+        let followed: Vec<(f64, Vec<f64>)> = followed.collect();
+        let best = followed.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a });
+        let known = best.map(|(_, values)| {
+            fit.parameters.iter().zip(values).map(|(p, v)| (p.name.clone(), v)).collect::<Vec<_>>()
+        });
+        known
+            .and_then(|known| self.fitted_near(&candidate, &candidate.effects, &known))
+            .filter(|f| f.fit.cost < candidate.fit.cost)
+            .unwrap_or(candidate)
+    }
+
     /// Values with each parameter of the effects moved by some ratios, and their costs; on a bench the others follow
     /// for a few steps.
     fn shakes(&self, candidate: &Candidate) -> Vec<(Vec<f64>, f64)> {
@@ -130,7 +201,7 @@ impl Search<'_> {
                 starts: 1,
                 max_steps: FOLLOWING_STEPS,
                 difference: Difference::Forward,
-                held: Some(model.parameters()[i].name.clone()),
+                held: vec![model.parameters()[i].name.clone()],
                 ..FitOptions::default()
             };
             fit::fit(self.data, model, &options).map_or((moved, f64::INFINITY), |f| (f.values, f.cost))
@@ -174,10 +245,17 @@ impl Search<'_> {
     pub(super) fn polished(&self, candidate: &Candidate) -> Candidate {
         let options = FitOptions {
             max_steps: if self.options.secants { DEAR_STEPS } else { FitOptions::default().max_steps },
+            held: rugged::held(candidate.model.as_ref()),
             ..candidate.onward(self.exact, candidate.fit.values.clone())
         };
         with_effects(self.exact, &candidate.effects, self.seen)
-            .and_then(|model| fit::fit(self.data, model.as_ref(), &options).map(|fit| (model, fit)))
+            .and_then(|model| {
+                let mut fit = fit::fit(self.data, model.as_ref(), &options)?;
+                if !options.held.is_empty() {
+                    fit = fit::at_values(self.data, model.as_ref(), &fit.values, options.difference)?;
+                }
+                Ok((model, fit))
+            })
             .map_or_else(
                 |_| candidate.clone(),
                 |(model, fit)| Candidate::exactly(self.data, candidate.effects.clone(), model, fit),

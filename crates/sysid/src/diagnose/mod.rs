@@ -14,6 +14,7 @@ mod experiment;
 mod finish;
 mod rig;
 mod rivals;
+mod rugged;
 mod screen;
 mod search;
 mod validation;

@@ -7,13 +7,14 @@
 
 use super::Candidate;
 use super::candidate::symbol;
+use super::rugged;
 use crate::data::Data;
 use crate::fit::{Difference, FitOptions, Signatures, fit};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Prediction, Scale};
 
 /// Integration steps per sampling period: enough to tell what is promising.
-const STEPS_PER_SAMPLE: f64 = 2.0;
+pub(super) const STEPS_PER_SAMPLE: f64 = 2.0;
 
 /// Signatures that are taken together: bounds the memory that they need.
 const TOGETHER: usize = 8;
@@ -22,7 +23,7 @@ const TOGETHER: usize = 8;
 const FARTHEST: f64 = 3.0;
 
 /// The parameter that makes an effect periodic; see [`EffectCard::parameters`].
-const PHASE: &str = "phase_rad";
+pub(super) const PHASE: &str = "phase_rad";
 
 /// What screening found of one effect.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +54,9 @@ pub struct Starts {
     /// At first; only the most promising effects then get all of them.
     pub first: usize,
 }
+
+/// Starting values from which on a rugged parameter is looked for in an excerpt, too.
+const DENSE: usize = 200;
 
 /// Effects that get all their starting values where each gets few at first.
 const LEADERS: usize = 24;
@@ -85,52 +89,20 @@ pub fn screen(
         }
     }
     for (card, promise) in cards.iter().zip(&mut promises) {
-        refine_rugged(data, beside, seen, card, promise);
+        let starts = if starts.most >= DENSE { rugged::starts(data, beside, seen, card) } else { Vec::new() };
+        for found in screen_starts(data, beside, seen, std::slice::from_ref(card), vec![starts]) {
+            promise.take_in(found.starts);
+        }
     }
     promises
 }
 
-/// A parameter with more starts than that is rugged: its error has a narrow valley at the truth and many beside it.
-const RUGGED_STARTS: usize = 24;
+/// Starts of a periodic or rugged parameter that are listed one by one.
+pub(super) const LISTED: usize = 24;
 
-/// Scans around the best starts of a rugged parameter: half-width as a ratio and points to each side, from coarse
-/// to fine.
-const SCANS: [(f64, i32); 2] = [(0.06, 20), (0.003, 8)];
-
-/// Starts that are scanned around.
-const SCANNED: usize = 2;
-
-fn refine_rugged(
-    data: &Data,
-    beside: &Candidate,
-    seen: &Excitation,
-    card: &EffectCard,
-    promise: &mut Promise,
-) {
-    let rugged = card.parameters.iter().position(|p| {
-        p.starts.len() >= RUGGED_STARTS && p.scale == Scale::Logarithmic && p.neutral.is_some()
-    });
-    let Some(rugged) = rugged.filter(|_| promise.drop > 0.0) else { return };
-    for (width, points) in SCANS {
-        let starts: Vec<Vec<f64>> = promise
-            .starts
-            .iter()
-            .take(SCANNED)
-            .flat_map(|(_, start)| {
-                (-points..=points).filter(|i| *i != 0).map(move |i| {
-                    let mut values: Vec<f64> = start.iter().map(|(_, v)| *v).collect();
-                    values[rugged] *= 1.0 + width * f64::from(i) / f64::from(points);
-                    values
-                })
-            })
-            .filter(|v| (card.parameters[rugged].min..=card.parameters[rugged].max).contains(&v[rugged]))
-            .collect();
-        let found = screen_starts(data, beside, seen, std::slice::from_ref(card), vec![starts]);
-        for found in found {
-            promise.take_in(found.starts);
-        }
-    }
-}
+/// A start whose signature is larger than the residual by the inverse of that is tried again, weaker: so far from
+/// what is looked for, a signature says nothing where the effect is not linear (a rotor that sticks in its ripple).
+const TOO_STRONG: f64 = 0.2;
 
 /// As [`screen`], from these starts of each effect.
 fn screen_starts(
@@ -140,9 +112,42 @@ fn screen_starts(
     cards: &[EffectCard],
     starts: Vec<Vec<Vec<f64>>>,
 ) -> Vec<Promise> {
+    let mut found: Vec<Vec<(f64, Vec<f64>)>> = vec![Vec::new(); cards.len()];
     let jobs: Vec<(usize, Vec<f64>)> =
         starts.into_iter().enumerate().flat_map(|(c, all)| all.into_iter().map(move |s| (c, s))).collect();
-    let mut found: Vec<Vec<(f64, Vec<f64>)>> = vec![Vec::new(); cards.len()];
+    let weaker = promised(data, beside, seen, cards, jobs, &mut found);
+    promised(data, beside, seen, cards, weaker, &mut found);
+    cards
+        .iter()
+        .zip(found)
+        .map(|(card, mut tried)| {
+            tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let name = |p: &Parameter| format!("{}.{}", card.id, p.name);
+            Promise {
+                effect: card.id.clone(),
+                drop: tried.first().map_or(0.0, |t| t.0),
+                starts: tried
+                    .into_iter()
+                    .map(|(drop, s)| {
+                        (drop, card.parameters.iter().zip(s).map(|(p, v)| (name(p), v)).collect())
+                    })
+                    .collect(),
+            }
+        })
+        .collect()
+}
+
+/// Adds the predicted falls of the cost from starting values of effects, by their index, with the values at the
+/// best amplitude; returns the starts that were too strong to tell, weaker.
+fn promised(
+    data: &Data,
+    beside: &Candidate,
+    seen: &Excitation,
+    cards: &[EffectCard],
+    jobs: Vec<(usize, Vec<f64>)>,
+    found: &mut [Vec<(f64, Vec<f64>)>],
+) -> Vec<(usize, Vec<f64>)> {
+    let mut weaker = Vec::new();
     let coarse = beside.model.coarser(STEPS_PER_SAMPLE);
     // What cannot be simulated coarsely promises nothing.
     let unchanged = data.predict(coarse.as_ref(), &beside.fit.values).unwrap_or_default();
@@ -165,38 +170,29 @@ fn screen_starts(
         let signatures = Signatures::new(data, &beside.fit, &unchanged, &columns);
         for (column, &job) in there.iter().enumerate() {
             let (c, start) = &chunk[job];
+            let parameters = &cards[*c].parameters;
             let (stiffness, slope) = (signatures.gram[(column, column)], signatures.gradient[column]);
             if stiffness <= 0.0 || !stiffness.is_finite() {
                 continue;
             }
-            let both_ways =
-                cards[*c].parameters.iter().any(|p| (is_amplitude(p) && p.min < 0.0) || p.name == PHASE);
+            let both_ways = parameters.iter().any(|p| (is_amplitude(p) && p.min < 0.0) || p.name == PHASE);
             let least = if both_ways { -FARTHEST } else { 0.0 };
             // What cannot be scaled may still be too strong here, and right when it is weaker.
-            let most = if cards[*c].parameters.iter().any(is_amplitude) { FARTHEST } else { 1.0 };
-            let amplitude = (-slope / stiffness).clamp(least, most);
+            let scales = parameters.iter().any(is_amplitude);
+            let most = if scales { FARTHEST } else { 1.0 };
+            let fits = (2.0 * beside.fit.cost / stiffness).sqrt();
+            if scales && fits < TOO_STRONG {
+                let scale = |(p, v): (&Parameter, &f64)| if is_amplitude(p) { v * fits } else { *v };
+                weaker.push((*c, parameters.iter().zip(start).map(scale).collect()));
+            }
+            // A rugged effect is what it is or another one, never a part of it.
+            let whole = parameters.iter().any(rugged::is_rugged);
+            let amplitude = if whole { 1.0 } else { (-slope / stiffness).clamp(least, most) };
             let drop = -(slope * amplitude + 0.5 * stiffness * amplitude * amplitude);
-            found[*c].push((drop, scaled(&cards[*c].parameters, start, amplitude)));
+            found[*c].push((drop, scaled(parameters, start, amplitude)));
         }
     }
-    cards
-        .iter()
-        .zip(found)
-        .map(|(card, mut tried)| {
-            tried.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let name = |p: &Parameter| format!("{}.{}", card.id, p.name);
-            Promise {
-                effect: card.id.clone(),
-                drop: tried.first().map_or(0.0, |t| t.0),
-                starts: tried
-                    .into_iter()
-                    .map(|(drop, s)| {
-                        (drop, card.parameters.iter().zip(s).map(|(p, v)| (name(p), v)).collect())
-                    })
-                    .collect(),
-            }
-        })
-        .collect()
+    weaker
 }
 
 /// Whether the effect vanishes in proportion to this parameter.
@@ -245,6 +241,9 @@ fn spread(all: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
     (0..most).map(|i| all[(i as f64 * step) as usize].clone()).collect()
 }
 
+/// Ratio of amplitudes from which starts of one period are raced apart.
+const ANOTHER_SIZE: f64 = 4.0;
+
 /// Steps that every start of a periodic effect gets.
 const RACE_STEPS: usize = 2;
 
@@ -257,14 +256,18 @@ pub fn race_periodic(data: &Data, beside: &Candidate, seen: &Excitation, promise
         return promise;
     }
     let Ok(model) = beside.model.with_effect(&promise.effect, seen) else { return promise };
-    // The amplitudes differ by what screening made of them, the phases are found by the fit: of each period
-    // the more promising start goes on.
+    // The phases are found by the fit: of each period the more promising start goes on, and the next whose amplitude
+    // is of another size, for a promise from too strong a ripple is none.
+    let alike = |a: &[(String, f64)], b: &[(String, f64)]| {
+        a[0].1.abs().max(b[0].1.abs()) < ANOTHER_SIZE * a[0].1.abs().min(b[0].1.abs())
+    };
     let period = |start: &[(String, f64)]| -> Vec<u64> {
         start[1..].iter().filter(|(name, _)| !is_phase(name)).map(|(_, v)| v.to_bits()).collect()
     };
     let mut entered: Vec<&(f64, Vec<(String, f64)>)> = Vec::new();
     for start in &promise.starts {
-        if entered.iter().all(|e| period(&e.1) != period(&start.1)) {
+        let same = || entered.iter().filter(|e| period(&e.1) == period(&start.1));
+        if same().count() < 2 && same().all(|e| !alike(&e.1, &start.1)) {
             entered.push(start);
         }
     }

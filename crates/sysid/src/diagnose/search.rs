@@ -304,8 +304,8 @@ impl Search<'_> {
             .enumerate()
             .map(|(place, c)| match place {
                 // A choice that the base model made far from the truth may be wrong beside an effect.
-                0 => self.with_best_choice(self.shaken(self.returned(self.finished(c))), 0.0),
-                1 if within(&c) => self.with_best_choice(self.returned(self.finished(c)), 0.0),
+                0 => self.with_best_choice(self.shaken(self.whole(self.returned(self.finished(c)))), 0.0),
+                1 if within(&c) => self.with_best_choice(self.whole(self.returned(self.finished(c))), 0.0),
                 _ if place < self.options.finishers && within(&c) => self.finished(c),
                 _ => c,
             })

@@ -20,6 +20,10 @@ const WORTH_NAMING: f64 = 0.5;
 /// one expect there, up to which it says nothing against the model: few directions make most of it.
 const WITHIN: f64 = 3.0;
 
+/// Said where the fit runs are at the floor and the holdout runs are not.
+const ONLY_HELD_OUT: &str = "The fit runs are at the noise floor: what is missing shows in held-out runs only. Give one of \
+                             those where it shows the role 'fit', and diagnose again.";
+
 /// What was found out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VerdictKind {
@@ -144,9 +148,13 @@ pub(super) fn judge(holdout: &Data, found: &Found, floor: f64) -> Result<Verdict
         (base_judged.clone(), base_holdout.clone())
     };
     let left = matches!(kind, VerdictKind::PartlyExplained | VerdictKind::Unexplained);
+    let mut remainder = if left { remainder(&[(holdout, &after_holdout)]) } else { Vec::new() };
+    if left && found.tried[after.index].fit.error() <= ADEQUATE * floor {
+        remainder.insert(0, ONLY_HELD_OUT.to_owned());
+    }
     Ok(Verdict {
         kind,
-        remainder: if left { remainder(&[(holdout, &after_holdout)]) } else { Vec::new() },
+        remainder,
         effects: if named { chosen.effects.clone() } else { Vec::new() },
         indistinguishable: if named {
             found.tied.iter().map(|&i| found.tried[i].effects.clone()).collect()

@@ -53,8 +53,8 @@ pub struct FitOptions {
     pub difference: Difference,
     /// Only parameters whose name begins so are free; all others keep the start's values.
     pub only: Option<String>,
-    /// The parameter of this name is not free, and keeps the start's value.
-    pub held: Option<String>,
+    /// The parameters of these names are not free, and keep the start's values.
+    pub held: Vec<String>,
     /// Whether a step that keeps its promise brings the derivatives up to date by itself, in place of a simulation
     /// for every parameter; they are then simulated only where a step fails, and at the end.
     pub secants: bool,
@@ -72,7 +72,7 @@ impl Default for FitOptions {
             tolerance: 1e-3,
             difference: Difference::Central,
             only: None,
-            held: None,
+            held: Vec::new(),
             secants: false,
             columns: None,
         }
@@ -266,9 +266,7 @@ fn fit_from(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit,
     if let Some(only) = &options.only {
         parameters.iter_mut().for_each(|p| p.fixed |= !p.name.starts_with(only.as_str()));
     }
-    if let Some(held) = &options.held {
-        parameters.iter_mut().for_each(|p| p.fixed |= p.name == *held);
-    }
+    parameters.iter_mut().for_each(|p| p.fixed |= options.held.contains(&p.name));
     let coordinates = Coordinates::new(&parameters);
     let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
     let mut first = options.start.clone().unwrap_or_else(|| nominal.clone());

@@ -1,0 +1,188 @@
+//! Parameters along which a prediction jumps, such as the count of a drive: found by simulating many values.
+//!
+//! The error has a narrow valley at the truth and many beside it, and no derivative shows the way. A drive that
+//! resolves its greatest command in `N` counts shifts the last of them by one where `N` changes by one: the values
+//! that are tried are even in `N`. A fit holds such parameters and moves all others; in between they are looked for
+//! again nearby.
+
+use super::Candidate;
+use super::screen::STEPS_PER_SAMPLE;
+use crate::data::{Data, DataRun};
+use rayon::prelude::*;
+use sealegs_model::{EffectCard, Excitation, Model, Parameter, Record, Scale, Signal};
+
+/// A logarithmic parameter with more starts than that is rugged.
+const STARTS: usize = 24;
+
+/// Distance of the values that are tried, in counts of the greatest command.
+const COUNTS_APART: f64 = 0.5;
+
+/// Most counts: finer ones are no effect that a bench feels, and a needle.
+const MOST_COUNTS: f64 = 800.0;
+
+/// What is simulated for it of the run that is explained worst, s.
+const EXCERPT_S: f64 = 6.0;
+
+/// Values that are kept, and the least ratio between them.
+const KEPT: usize = 4;
+/// See [`KEPT`].
+const APART: f64 = 1.003;
+
+/// Neighbourhoods in which a value is looked for again: half-width as a ratio, and points to each side.
+const NEARBY: [(f64, i32); 3] = [(0.02, 20), (0.002, 16), (0.0002, 8)];
+
+/// Times that it is looked for and all others are fitted.
+const ROUNDS: usize = 3;
+
+/// Whether derivatives say nothing of a parameter.
+pub(super) fn is_rugged(p: &Parameter) -> bool {
+    p.starts.len() >= STARTS && p.scale == Scale::Logarithmic && p.neutral.is_some()
+}
+
+/// The parameters of a model that a fit holds: all those of effects with a rugged one.
+pub(super) fn held(model: &dyn Model) -> Vec<String> {
+    let effect =
+        |p: &Parameter| p.name.rsplit_once('.').map_or(String::new(), |(effect, _)| format!("{effect}."));
+    let rugged: Vec<String> = model.parameters().iter().filter(|p| is_rugged(p)).map(effect).collect();
+    let names = model.parameters().iter().map(|p| &p.name);
+    names.filter(|n| rugged.iter().any(|effect| n.starts_with(effect.as_str()))).cloned().collect()
+}
+
+/// Starting values of an effect with a rugged parameter that leave least of an excerpt, best first; none for other
+/// effects, or where nothing can be simulated.
+pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &EffectCard) -> Vec<Vec<f64>> {
+    let Some(rugged) = card.parameters.iter().position(is_rugged) else { return Vec::new() };
+    let Ok(model) = beside.model.coarser(STEPS_PER_SAMPLE).with_effect(&card.id, seen) else {
+        return Vec::new();
+    };
+    let blocks = &beside.fit.evaluation.blocks;
+    let left = |run: usize| -> f64 {
+        let of_run = || blocks.iter().filter(|b| b.run == run).flat_map(|b| &b.residual);
+        of_run().map(|r| r * r).sum::<f64>() / of_run().count().max(1) as f64
+    };
+    let Some(worst) = (0..data.runs.len()).reduce(|a, b| if left(b) > left(a) { b } else { a }) else {
+        return Vec::new();
+    };
+    let run = &data.runs[worst];
+    let first = run.rows().next().unwrap_or(0);
+    let record = head(run.record, run.record.time_s.get(first).copied().unwrap_or(0.0) + EXCERPT_S);
+    let excerpt = Data::from_parts(data.channels.clone(), vec![cut(run, &record)]);
+    // The card's greatest value is a tenth of the greatest command.
+    let peak = 10.0 * card.parameters[rugged].max;
+    let most = ((MOST_COUNTS - 10.0) / COUNTS_APART) as i32;
+    let values = (0..=most).map(|i| peak / (10.0 + COUNTS_APART * f64::from(i)));
+    let tried: Vec<Vec<f64>> = values
+        .flat_map(|value| {
+            choices(card, rugged).into_iter().map(move |mut v| {
+                v[rugged] = value;
+                v
+            })
+        })
+        .collect();
+    let mut costs: Vec<(f64, Vec<f64>)> = tried
+        .into_par_iter()
+        .filter_map(|start| {
+            let all: Vec<f64> = beside.fit.values.iter().copied().chain(start.iter().copied()).collect();
+            let cost = excerpt.evaluate(model.as_ref(), &all).ok()?.cost;
+            cost.is_finite().then_some((cost, start))
+        })
+        .collect();
+    data.add_work(&excerpt);
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut kept: Vec<Vec<f64>> = Vec::new();
+    for (_, start) in costs {
+        let near = |k: &Vec<f64>| (k[rugged] / start[rugged]).ln().abs() < APART.ln();
+        if kept.len() < KEPT && !kept.iter().any(near) {
+            kept.push(start);
+        }
+    }
+    kept
+}
+
+/// Guess and starts of all parameters but the rugged one, in every combination.
+fn choices(card: &EffectCard, rugged: usize) -> Vec<Vec<f64>> {
+    let mut all: Vec<Vec<f64>> = vec![Vec::new()];
+    for (i, p) in card.parameters.iter().enumerate() {
+        let mut options = vec![p.value];
+        if i != rugged {
+            options.extend(p.starts.iter().filter(|s| **s != p.value));
+        }
+        all = all
+            .iter()
+            .flat_map(|before| options.iter().map(|&o| before.iter().copied().chain([o]).collect()))
+            .collect();
+    }
+    all
+}
+
+/// A record up to a time.
+fn head(record: &Record, until_s: f64) -> Record {
+    let rows = record.time_s.partition_point(|&t| t <= until_s);
+    let inputs = record
+        .inputs
+        .iter()
+        .map(|s| Signal { channel: s.channel.clone(), values: s.values[..rows].to_vec() });
+    Record {
+        name: record.name.clone(),
+        time_s: record.time_s[..rows].to_vec(),
+        hold: record.hold,
+        inputs: inputs.collect(),
+        outputs: Vec::new(),
+    }
+}
+
+/// A run as far as a shorter record goes.
+fn cut<'a>(run: &DataRun<'a>, record: &'a Record) -> DataRun<'a> {
+    let rows = record.len();
+    DataRun {
+        record,
+        scored: run
+            .scored
+            .iter()
+            .map(|r| r.start.min(rows)..r.end.min(rows))
+            .filter(|r| !r.is_empty())
+            .collect(),
+        measured: run.measured.iter().map(|m| &m[..rows]).collect(),
+        ..run.clone()
+    }
+}
+
+/// A candidate whose rugged parameter was looked for again nearby, `fitted` from the better value each time.
+pub(super) fn tuned(
+    data: &Data,
+    mut candidate: Candidate,
+    fitted: impl Fn(&Candidate, &[(String, f64)]) -> Option<Candidate>,
+) -> Candidate {
+    let Some(rugged) = candidate.model.parameters().iter().position(is_rugged) else { return candidate };
+    for _ in 0..ROUNDS {
+        let before = candidate.fit.cost;
+        for (width, points) in NEARBY {
+            let (fit, model) = (&candidate.fit, candidate.model.as_ref());
+            let p = &model.parameters()[rugged];
+            let moved: Vec<Vec<f64>> = (-points..=points)
+                .map(|i| {
+                    let mut values = fit.values.clone();
+                    values[rugged] *= 1.0 + width * f64::from(i) / f64::from(points);
+                    values
+                })
+                .filter(|v| (p.min..=p.max).contains(&v[rugged]))
+                .collect();
+            let costs: Vec<f64> = moved
+                .par_iter()
+                .map(|values| data.evaluate(model, values).map_or(f64::INFINITY, |e| e.cost))
+                .collect();
+            let Some(best) = (0..costs.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a }) else {
+                continue;
+            };
+            let known: Vec<(String, f64)> =
+                fit.parameters.iter().zip(&moved[best]).map(|(p, v)| (p.name.clone(), *v)).collect();
+            if let Some(better) = fitted(&candidate, &known).filter(|f| f.fit.cost < candidate.fit.cost) {
+                candidate = better;
+            }
+        }
+        if candidate.fit.cost > (1.0 - 1e-3) * before {
+            break;
+        }
+    }
+    candidate
+}
