@@ -12,6 +12,11 @@ const NOISE: (f64, f64) = (0.2, 0.001);
 
 /// Locates and tests the residual of the true model on a run to whose force channel `add(row, speed)` was added.
 fn with_added(add: impl Fn(usize, f64) -> f64, check: impl Fn(&Location, &[structure::StructureTest])) {
+    with_parts(add, |parts| check(&locate(parts), &structure::tests(parts)));
+}
+
+/// The same with what there is to locate.
+fn with_parts(add: impl Fn(usize, f64) -> f64, check: impl Fn(&[(&Data, &Evaluation)])) {
     let toy = Toy::new();
     let mut record = run(&TRUTH, 4000, 77, NOISE, (1.0, 0.0), 1.0);
     let clean = toy.predict_speed(&TRUTH, &record);
@@ -21,7 +26,7 @@ fn with_added(add: impl Fn(usize, f64) -> f64, check: impl Fn(&Location, &[struc
     let campaign = campaign(vec![(Role::Fit, record)], NOISE);
     let data = Data::new(&campaign, None, &toy).unwrap();
     let at = at_values(&data, &toy, &TRUTH, Difference::Forward).unwrap().evaluation;
-    check(&locate(&[(&data, &at)]), &structure::tests(&[(&data, &at)]));
+    check(&[(&data, &at)]);
 }
 
 impl Toy {
@@ -106,6 +111,50 @@ fn shares_of_every_axis_sum_to_one() {
                 assert!((of().map(|r| r.sample_share).sum::<f64>() - 1.0).abs() < 1e-9, "{axis}");
                 assert!((of().map(|r| r.error_share).sum::<f64>() - 1.0).abs() < 1e-9, "{axis}");
             }
+        },
+    );
+}
+
+#[test]
+fn what_is_left_is_described_by_its_band_and_what_it_follows() {
+    let number =
+        |text: &str| text.split_whitespace().filter_map(|w| w.parse::<f64>().ok()).collect::<Vec<_>>();
+    let wave = |i: usize| 3.0 * (0.005 * i as f64 * std::f64::consts::TAU * 30.0).sin();
+    with_parts(
+        |i, _| wave(i),
+        |parts| {
+            let said = remainder(parts);
+            let band = number(&said[0]);
+            assert!(band[0] < 30.0 && band[1] > 30.0 && band[1] < 1.2 * band[0], "{said:?}");
+            assert!(said[1].contains("follows none"), "{said:?}");
+        },
+    );
+    with_parts(
+        |_, v| 0.5 * v.signum(),
+        |parts| {
+            assert!(remainder(parts)[1].contains("follows the sign of the speed"), "{:?}", remainder(parts))
+        },
+    );
+    with_parts(|_, _| 0.0, |parts| assert!(remainder(parts).is_empty()));
+}
+
+#[test]
+fn a_leg_is_located_by_each_actuators_signals() {
+    with_parts(
+        |_, v| if v > 0.01 { 1.0 } else { 0.0 },
+        |parts| {
+            let (data, at) = parts[0];
+            let mut leg = at.clone();
+            for signal in &mut leg.predictions[0].internals {
+                signal.channel = format!("knee.{}", signal.channel);
+            }
+            let named = |of: &Location| {
+                of.regions.iter().filter(|r| r.axis == "direction").map(Region::subject).collect::<Vec<_>>()
+            };
+            assert!(named(&locate(parts)).iter().all(|s| s == "direction"));
+            let located = locate(&[(data, &leg)]);
+            assert!(named(&located).iter().all(|s| s == "direction of knee"), "{located:?}");
+            assert_eq!(located.regions.len(), locate(parts).regions.len());
         },
     );
 }
