@@ -12,7 +12,12 @@ const DURATION_S: f64 = 3.0;
 fn reference_a_slice_of_the_matrix_is_right_or_tied() {
     let folder = tempfile::tempdir().unwrap();
     let case = |ids: Vec<&'static str>, strength| Case { ids, rig: Rig::Locked, strength, seed: 1 };
-    let cases = [case(Vec::new(), Strength::Weak), case(vec!["hardening-spring"], Strength::Middle)];
+    let cases = [
+        case(Vec::new(), Strength::Weak),
+        case(vec!["hardening-spring"], Strength::Middle),
+        // No derivative leads to a count.
+        case(vec!["command-quantisation"], Strength::Dominant),
+    ];
     let outcomes: Vec<_> = cases.iter().map(|c| run(c, DURATION_S, folder.path()).unwrap()).collect();
     for outcome in &outcomes {
         let good = [Score::Right, Score::Tied].iter().any(|s| s.as_str() == outcome.score);

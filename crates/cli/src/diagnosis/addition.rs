@@ -4,7 +4,9 @@ use super::outcome::{ParameterValue, Side, parameters, sensors};
 use super::provenance::Provenance;
 use crate::failure::{OrBadInput, bad_input};
 use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter};
-use sealegs_sysid::diagnose::{Candidate, Options, Promise, Starts, screen, with_effects};
+use sealegs_sysid::diagnose::{
+    Candidate, Options, Promise, Starts, fit_holding, screen, tuned, with_effects,
+};
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, fit};
 use serde::Serialize;
 
@@ -188,10 +190,15 @@ fn grow(
                 best = Some(fitted);
             }
         }
-        grown = match best {
+        let best = match best {
             Some(best) => best,
             // Nothing was promised: the effect's own guess is as good as any.
             None => Candidate::fitted(data, model, &set, seen, &grown.known(), &effort)?,
+        };
+        grown = if fit::has_many_parameters(model) {
+            best
+        } else {
+            tuned(data, best, |_, known| Candidate::fitted(data, model, &set, seen, known, &effort).ok())
         };
     }
     Ok(grown)
@@ -210,7 +217,7 @@ fn finished(
     let known = candidate.known();
     let mut best: Option<Fit> = None;
     let mut attempt = |start: Vec<f64>| -> anyhow::Result<bool> {
-        let fitted = fit::fit(data, model.as_ref(), &candidate.onward(base, start))?;
+        let fitted = fit_holding(data, model.as_ref(), &candidate.onward(base, start))?;
         if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
             best = Some(fitted);
         }

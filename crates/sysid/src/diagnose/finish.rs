@@ -245,16 +245,11 @@ impl Search<'_> {
     pub(super) fn polished(&self, candidate: &Candidate) -> Candidate {
         let options = FitOptions {
             max_steps: if self.options.secants { DEAR_STEPS } else { FitOptions::default().max_steps },
-            held: rugged::held(candidate.model.as_ref()),
             ..candidate.onward(self.exact, candidate.fit.values.clone())
         };
         with_effects(self.exact, &candidate.effects, self.seen)
             .and_then(|model| {
-                let mut fit = fit::fit(self.data, model.as_ref(), &options)?;
-                if !options.held.is_empty() {
-                    fit = fit::at_values(self.data, model.as_ref(), &fit.values, options.difference)?;
-                }
-                Ok((model, fit))
+                rugged::fit_holding(self.data, model.as_ref(), &options).map(|fit| (model, fit))
             })
             .map_or_else(
                 |_| candidate.clone(),

@@ -6,8 +6,10 @@
 //! again nearby.
 
 use super::Candidate;
-use super::screen::STEPS_PER_SAMPLE;
+use super::screen::screen_starts;
+use crate::Error;
 use crate::data::{Data, DataRun};
+use crate::fit::{self, Difference, Fit, FitOptions};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Record, Scale, Signal};
 
@@ -48,11 +50,30 @@ pub(super) fn held(model: &dyn Model) -> Vec<String> {
     names.filter(|n| rugged.iter().any(|effect| n.starts_with(effect.as_str()))).cloned().collect()
 }
 
-/// Starting values of an effect with a rugged parameter that leave least of an excerpt, best first; none for other
+/// Fits a model, its rugged parameters held; their standard errors are those of the derivatives at the end, which see
+/// no further than the next jump.
+///
+/// # Errors
+///
+/// As [`fit::fit`].
+pub fn fit_holding(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit, Error> {
+    let held = held(model);
+    if held.is_empty() {
+        return fit::fit(data, model, options);
+    }
+    let fitted = fit::fit(data, model, &FitOptions { held, ..options.clone() })?;
+    Ok(Fit {
+        steps: fitted.steps,
+        converged: fitted.converged,
+        ..fit::at_values(data, model, &fitted.values, options.difference)?
+    })
+}
+
+/// Starting values of an effect with a rugged parameter that promise most on an excerpt, best first; none for other
 /// effects, or where nothing can be simulated.
 pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &EffectCard) -> Vec<Vec<f64>> {
-    let Some(rugged) = card.parameters.iter().position(is_rugged) else { return Vec::new() };
-    let Ok(model) = beside.model.coarser(STEPS_PER_SAMPLE).with_effect(&card.id, seen) else {
+    let dear = fit::has_many_parameters(beside.model.as_ref());
+    let Some(rugged) = card.parameters.iter().position(is_rugged).filter(|_| !dear) else {
         return Vec::new();
     };
     let blocks = &beside.fit.evaluation.blocks;
@@ -79,18 +100,18 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
             })
         })
         .collect();
-    let mut costs: Vec<(f64, Vec<f64>)> = tried
-        .into_par_iter()
-        .filter_map(|start| {
-            let all: Vec<f64> = beside.fit.values.iter().copied().chain(start.iter().copied()).collect();
-            let cost = excerpt.evaluate(model.as_ref(), &all).ok()?.cost;
-            cost.is_finite().then_some((cost, start))
-        })
-        .collect();
+    // What the base parameters can do in its place is left to them, as in all screening: without a count that it has, a
+    // drive is fitted with another force constant.
+    let Ok(fit) = fit::at_values(&excerpt, beside.model.as_ref(), &beside.fit.values, Difference::Forward)
+    else {
+        return Vec::new();
+    };
+    let near = Candidate { fit, ..beside.clone() };
+    let found = screen_starts(&excerpt, &near, seen, std::slice::from_ref(card), vec![tried]);
     data.add_work(&excerpt);
-    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let promised = found.into_iter().flat_map(|promise| promise.starts).map(|(_, start)| start);
     let mut kept: Vec<Vec<f64>> = Vec::new();
-    for (_, start) in costs {
+    for start in promised.map(|start| start.into_iter().map(|(_, v)| v).collect::<Vec<f64>>()) {
         let near = |k: &Vec<f64>| (k[rugged] / start[rugged]).ln().abs() < APART.ln();
         if kept.len() < KEPT && !kept.iter().any(near) {
             kept.push(start);
@@ -148,7 +169,8 @@ fn cut<'a>(run: &DataRun<'a>, record: &'a Record) -> DataRun<'a> {
 }
 
 /// A candidate whose rugged parameter was looked for again nearby, `fitted` from the better value each time.
-pub(super) fn tuned(
+#[must_use]
+pub fn tuned(
     data: &Data,
     mut candidate: Candidate,
     fitted: impl Fn(&Candidate, &[(String, f64)]) -> Option<Candidate>,

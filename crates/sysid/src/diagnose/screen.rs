@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Prediction, Scale};
 
 /// Integration steps per sampling period: enough to tell what is promising.
-pub(super) const STEPS_PER_SAMPLE: f64 = 2.0;
+const STEPS_PER_SAMPLE: f64 = 2.0;
 
 /// Signatures that are taken together: bounds the memory that they need.
 const TOGETHER: usize = 8;
@@ -105,7 +105,7 @@ pub(super) const LISTED: usize = 24;
 const TOO_STRONG: f64 = 0.2;
 
 /// As [`screen`], from these starts of each effect.
-fn screen_starts(
+pub(super) fn screen_starts(
     data: &Data,
     beside: &Candidate,
     seen: &Excitation,
