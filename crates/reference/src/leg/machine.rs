@@ -68,6 +68,15 @@ fn crank(mount: &HoekensMount, q: f64) -> [f64; 3] {
     [mount.length_mid_m + travel, arm(q), slope]
 }
 
+/// Poses and motions of the links.
+type Links = (Vec<Isometry3<f64>>, Vec<Body>);
+
+/// Mass matrix and smooth forces: `a q'' = f` for bodies and screws.
+struct Equations {
+    a: [[f64; MOST]; MOST],
+    f: [f64; MOST],
+}
+
 /// A run's leg: the unloaded lengths are those of its start.
 pub(super) struct Machine<'a> {
     pub of: &'a LegReference,
@@ -77,7 +86,7 @@ pub(super) struct Machine<'a> {
 
 impl Machine<'_> {
     /// Poses and motions of the links.
-    pub fn motion(&self, s: &State) -> (Vec<Isometry3<f64>>, Vec<Body>) {
+    pub fn motion(&self, s: &State) -> Links {
         let (of, n) = (self.of, self.of.bodies);
         motion(&of.robot, of.rail, of.base_height, &s.x[..n], &s.v[..n])
     }
@@ -85,41 +94,41 @@ impl Machine<'_> {
     /// The system at a state, with these currents (A) in the motors.
     pub fn system(&self, s: &State, currents: &[f64]) -> System {
         let (of, n) = (self.of, self.of.bodies);
-        let (poses, bodies) = self.motion(s);
-        let mut a = [[0.0; MOST]; MOST];
-        let mut f = [0.0; MOST];
+        let links = self.motion(s);
+        let (poses, bodies) = &links;
+        let mut to = Equations { a: [[0.0; MOST]; MOST], f: [0.0; MOST] };
         for (i, link) in of.robot.links.iter().enumerate() {
             if let Some(own) = &link.inertial {
                 let r = poses[i].rotation.to_rotation_matrix();
                 let inertia = r * own.inertia * r.transpose();
                 let mass = Mass { mass_kg: own.mass_kg, at: poses[i] * own.com, inertia };
-                mass.add_to(&bodies[i], &of.gravity, n, &mut a, &mut f);
+                mass.add_to(&bodies[i], &of.gravity, n, &mut to.a, &mut to.f);
             }
         }
         if of.rail {
-            a[0][0] += of.carriage_kg;
-            f[0] += of.carriage_kg * of.gravity.z;
+            to.a[0][0] += of.carriage_kg;
+            to.f[0] += of.carriage_kg * of.gravity.z;
         }
-        self.joints(s, &mut f);
+        self.joints(s, &mut to.f);
         let mut cells = [Cells::default(); MOST_ACTUATORS];
         for i in 0..of.parts.len() {
             let motor = of.parts[i].force_per_command * currents[i];
             cells[i] = match of.drive(i) {
-                Drive::Hoekens(mount) => self.crank(i, mount, s, motor, &poses, &bodies, &mut a, &mut f),
-                _ => self.rod(i, s, motor, &poses, &bodies, &mut a, &mut f),
+                Drive::Hoekens(mount) => self.crank(i, mount, s, motor, &links, &mut to),
+                _ => self.rod(i, s, motor, &links, &mut to),
             };
         }
         let (mut total, mut drawing) = (0.0, [[0.0; 2]; CORNERS]);
         if let Some(ground) = &of.ground {
-            for touch in ground.touches(&poses, &bodies, &s.bristles) {
+            for touch in ground.touches(poses, bodies, &s.bristles) {
                 total += touch.normal;
                 drawing[touch.corner] = touch.drawing();
                 let pushed = along(&touch.force(), &touch.point.by);
-                (0..n).for_each(|k| f[k] += pushed[k]);
+                (0..n).for_each(|k| to.f[k] += pushed[k]);
             }
         }
-        let factor = Factor::of(a, of.count);
-        let smooth = factor.solve(f);
+        let factor = Factor::of(to.a, of.count);
+        let smooth = factor.solve(to.f);
         System { factor, smooth, cells, bodies: n, ground: total, drawing }
     }
 
@@ -140,23 +149,14 @@ impl Machine<'_> {
     }
 
     /// Adds a rod between two points, its sprung mass at the screw side's.
-    #[allow(clippy::too_many_arguments)]
-    fn rod(
-        &self,
-        i: usize,
-        s: &State,
-        motor: f64,
-        poses: &[Isometry3<f64>],
-        bodies: &[Body],
-        a: &mut [[f64; MOST]; MOST],
-        f: &mut [f64; MOST],
-    ) -> Cells {
+    fn rod(&self, i: usize, s: &State, motor: f64, links: &Links, to: &mut Equations) -> Cells {
+        let (poses, bodies) = links;
         let (of, n, row) = (self.of, self.of.bodies, self.of.bodies + i);
         let (part, placement) = (&of.parts[i], &of.robot.actuators[i]);
         let Drive::Linear { point_1, point_2 } = &placement.drive else { return Cells::default() };
         let (p1, p2) = (poses[placement.link_1] * point_1, poses[placement.link_2] * point_2);
         let mass = Mass { mass_kg: part.sprung, at: p2, inertia: Matrix3::zeros() };
-        mass.add_to(&bodies[placement.link_2], &of.gravity, n, a, f);
+        mass.add_to(&bodies[placement.link_2], &of.gravity, n, &mut to.a, &mut to.f);
         let length = (p2 - p1).norm();
         let u = (p2 - p1) / length;
         let (end_1, end_2) = (bodies[placement.link_1].at(&p1), bodies[placement.link_2].at(&p2));
@@ -164,30 +164,28 @@ impl Machine<'_> {
         let rate = u.dot(&(end_2.velocity - end_1.velocity));
         let spring = part.spring_force(s.x[row] - (length - self.rest[i]), s.v[row] - rate);
         for k in 0..n {
-            f[k] += spring * (along_2[k] - along_1[k]);
-            a[k][row] -= part.sprung * along_2[k];
-            a[row][k] -= part.sprung * along_2[k];
+            to.f[k] += spring * (along_2[k] - along_1[k]);
+            to.a[k][row] -= part.sprung * along_2[k];
+            to.a[row][k] -= part.sprung * along_2[k];
         }
         let felt = u.dot(&(end_2.bias - of.gravity));
-        a[row][row] += part.rotor + part.sprung;
-        f[row] += part.on_screw(motor, s.x[row], s.v[row]) - spring + part.sprung * felt;
+        to.a[row][row] += part.rotor + part.sprung;
+        to.f[row] += part.on_screw(motor, s.x[row], s.v[row]) - spring + part.sprung * felt;
         Cells { spring, sprung: part.sprung, carrier: along_2, felt }
     }
 
     /// Adds an actuator that turns a joint through a linkage, its sprung mass at the mount:
     /// `F_bs = spring + m_p (y'' - arm q'' - turning - u.a_1)` on rotor, joint and mount.
-    #[allow(clippy::too_many_arguments)]
     fn crank(
         &self,
         i: usize,
         mount: &HoekensMount,
         s: &State,
         motor: f64,
-        poses: &[Isometry3<f64>],
-        bodies: &[Body],
-        a: &mut [[f64; MOST]; MOST],
-        f: &mut [f64; MOST],
+        links: &Links,
+        to: &mut Equations,
     ) -> Cells {
+        let (poses, bodies) = links;
         let (of, n, row) = (self.of, self.of.bodies, self.of.bodies + i);
         let (part, placement) = (&of.parts[i], &of.robot.actuators[i]);
         let column = usize::from(of.rail) + of.robot.joints[mount.joint].dof.unwrap_or(0);
@@ -195,7 +193,7 @@ impl Machine<'_> {
         let turning = slope * s.v[column].powi(2);
         let p1 = poses[placement.link_1] * mount.point_1;
         let mass = Mass { mass_kg: part.sprung, at: p1, inertia: Matrix3::zeros() };
-        mass.add_to(&bodies[placement.link_1], &of.gravity, n, a, f);
+        mass.add_to(&bodies[placement.link_1], &of.gravity, n, &mut to.a, &mut to.f);
         let u: Vector3<f64> = poses[placement.link_1].rotation * mount.axis_1.into_inner();
         let end_1 = bodies[placement.link_1].at(&p1);
         let along_1 = along(&u, &end_1.by);
@@ -204,18 +202,18 @@ impl Machine<'_> {
         let felt = u.dot(&(end_1.bias - of.gravity));
         let m = part.sprung;
         let known = spring - m * (turning + felt);
-        f[row] += part.on_screw(motor, s.x[row], s.v[row]) - known;
-        a[row][row] += part.rotor + m;
-        f[column] += arm * known;
-        a[column][row] -= arm * m;
+        to.f[row] += part.on_screw(motor, s.x[row], s.v[row]) - known;
+        to.a[row][row] += part.rotor + m;
+        to.f[column] += arm * known;
+        to.a[column][row] -= arm * m;
         for k in 0..n {
             let carried = along_1[k] + if k == column { arm } else { 0.0 };
-            a[row][k] -= m * carried;
-            a[column][k] += arm * m * carried;
+            to.a[row][k] -= m * carried;
+            to.a[column][k] += arm * m * carried;
             // The reaction m (y'' - arm q'' - turning) along the axis, at the mount.
-            f[k] -= m * turning * along_1[k];
-            a[k][row] -= m * along_1[k];
-            a[k][column] += m * arm * along_1[k];
+            to.f[k] -= m * turning * along_1[k];
+            to.a[k][row] -= m * along_1[k];
+            to.a[k][column] += m * arm * along_1[k];
         }
         let mut carrier = along_1;
         carrier[column] += arm;
