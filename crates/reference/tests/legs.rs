@@ -167,11 +167,17 @@ fn change(scene: Scene, id: &str, parameters: &[(&'static str, f64)]) -> f64 {
 }
 
 #[test]
-fn converged_halving_the_step_changes_no_signal_by_a_tenth_of_its_noise() {
+fn converged_halving_the_step_changes_no_signal_of_a_swing_by_a_tenth_of_its_noise() {
     let friction = change(Scene::Swing, "knee/coulomb-friction", &[("force_n", 60.0)]);
     let sticky = [("coulomb_n", 30.0), ("static_n", 75.0), ("stribeck_velocity_m_s", 0.003)];
     let sticky = change(Scene::Swing, "ankle_outer/stribeck-friction", &sticky);
+    println!("friction {friction:.2e}, sticky {sticky:.2e}");
+    assert!(friction < 0.1 && sticky < 0.1, "{friction} {sticky}");
+}
+
+#[test]
+fn converged_halving_the_step_changes_no_signal_of_a_landing_by_a_tenth_of_its_noise() {
     let landing = change(Scene::Drop, "knee/coulomb-friction", &[("force_n", 60.0)]);
-    println!("friction {friction:.2e}, sticky {sticky:.2e}, landing {landing:.2e}");
-    assert!(friction < 0.1 && sticky < 0.1 && landing < 0.1, "{friction} {sticky} {landing}");
+    println!("landing {landing:.2e}");
+    assert!(landing < 0.1, "{landing}");
 }

@@ -49,7 +49,7 @@ impl Scene {
     pub fn step_s(self) -> f64 {
         match self {
             Self::Swing => 5e-5,
-            Self::Drop => 1e-5,
+            Self::Drop => 2e-5,
         }
     }
 }
