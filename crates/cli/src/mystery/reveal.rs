@@ -86,18 +86,19 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
     if answer.effects.iter().any(|e| !e.known) {
         out.push_str("It is in no catalogue: that nothing known explains it is the right answer.\n");
     }
-    let _ = if answer.base_error_is_estimate {
-        writeln!(
+    let _ = match (answer.base_error_is_estimate, answer.effects.is_empty()) {
+        // Nothing was estimated of nothing.
+        (true, true) => Ok(()),
+        (true, false) => writeln!(
             out,
             "Without it a refitted model would miss the runs by about {:.1} noise units, estimated to first order.",
             answer.base_error
-        )
-    } else {
-        writeln!(
+        ),
+        (false, _) => writeln!(
             out,
             "Without it the refitted model misses the holdout runs by {:.2} noise units.",
             answer.base_error
-        )
+        ),
     };
     if let Some(v) = verdict {
         let score = v.score(answer);
