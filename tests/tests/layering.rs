@@ -7,8 +7,8 @@ use std::process::Command;
 const ARROWS: [(&str, &[&str]); 7] = [
     ("sealegs-model", &[]),
     ("sealegs-actuator", &["sealegs-model"]),
-    // Parameters and command profiles only: its integration is its own.
-    ("sealegs-reference", &["sealegs-model", "sealegs-actuator"]),
+    // Parameters, geometry, scenarios and command profiles only: its integration is its own.
+    ("sealegs-reference", &["sealegs-model", "sealegs-actuator", "sealegs-leg"]),
     ("sealegs-leg", &["sealegs-model", "sealegs-actuator"]),
     ("sealegs-sysid", &["sealegs-model"]),
     ("sealegs-recorder", &["sealegs-model", "sealegs-sysid"]),
@@ -90,8 +90,11 @@ fn engine_and_recorder_are_known_to_their_crate_only() {
 /// Modules of the actuator in which its motion is computed.
 const INTEGRATION: [&str; 3] = ["plant", "response", "effect"];
 
+/// All that the independent simulator may take from the leg: nothing in which a motion is computed.
+const FROM_LEG: [&str; 3] = ["robot", "scenario", "LegError"];
+
 #[test]
-fn the_independent_simulator_takes_no_integration_from_the_actuator() {
+fn the_independent_simulator_takes_no_integration_from_the_product() {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/reference/src"));
     let mut folders = vec![folder.to_owned()];
     let mut seen = 0;
@@ -109,6 +112,12 @@ fn the_independent_simulator_takes_no_integration_from_the_actuator() {
                 assert!(!taken, "{} takes from the actuator's {module}", path.display());
             }
             assert!(!text.contains("BenchModel"), "{} takes the actuator's own bench", path.display());
+            for (at, _) in text.match_indices("sealegs_leg::") {
+                let what = &text[at + "sealegs_leg::".len()..];
+                let allowed = FROM_LEG.iter().any(|name| what.starts_with(name));
+                let name = what.lines().next().unwrap_or_default();
+                assert!(allowed, "{} takes from the leg's {name}", path.display());
+            }
         }
     }
     assert!(seen > 5, "{seen} sources");

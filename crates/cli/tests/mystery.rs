@@ -114,7 +114,6 @@ fn bad_input_is_refused_and_leaves_nothing() {
     std::fs::create_dir(&place).unwrap();
     refused(&["mystery", "-o", text(&place)], "is there already");
     refused(&["mystery", "-o", text(&folder.path().join("no/such/place"))], "cannot be made");
-    refused(&["mystery", "--bench", "leg", "-o", text(&folder.path().join("leg"))], "not be made yet");
     refused(&["reveal", text(&place)], "answer.sealed");
     assert_eq!(entries(folder.path()), ["there"]);
 }

@@ -1,6 +1,5 @@
 //! Dry friction: contacts that slip one way or stick, switched at located events.
 
-use crate::beyond::Beyond;
 use crate::machine::{Frame, MOST, Machine, P, Row, State, add, dot};
 
 /// How a dry contact moves.
@@ -23,34 +22,14 @@ impl Machine<'_> {
     }
 
     fn has_friction(&self, contact: usize) -> bool {
-        let of = self.of;
-        if contact == 0 {
-            of.coulomb > 0.0
-                || of.stribeck.is_some()
-                || of.load_friction > 0.0
-                || of.directed.is_some()
-                || matches!(of.beyond, Some(Beyond::PositionFriction { .. }))
-        } else {
-            of.output_friction > 0.0
-        }
+        if contact == 0 { self.of.has_rotor_friction() } else { self.of.output_friction > 0.0 }
     }
 
     fn bound(&self, s: &State, contact: usize, speed: f64, direction: f64, load: f64) -> f64 {
-        let of = self.of;
         if contact == 1 {
-            return of.output_friction;
+            return self.of.output_friction;
         }
-        let stribeck = of
-            .stribeck
-            .map_or(0.0, |[low, high, velocity]| low + (high - low) * (-(speed / velocity).powi(2)).exp());
-        let directed = of.directed.map_or(0.0, |[force, a]| force * (1.0 + a * direction));
-        let placed = match of.beyond {
-            Some(Beyond::PositionFriction { force_n, period_m }) => {
-                force_n * (1.0 + (std::f64::consts::TAU * dot(&self.extension, &s.x) / period_m).sin())
-            }
-            _ => 0.0,
-        };
-        of.coulomb + stribeck + directed + of.load_friction * load.abs() + placed
+        self.of.rotor_bound(dot(&self.extension, &s.x), speed, direction, load)
     }
 
     /// Acceleration under smooth forces `q` and contact forces `f`.

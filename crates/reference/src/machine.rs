@@ -97,21 +97,9 @@ impl<'a> Machine<'a> {
 
     /// The spring's force without its slipping element.
     pub fn spring(&self, state: &State) -> f64 {
-        let of = self.of;
         let deflection = self.link_1.map_or(0.0, |i| state.x[i]) - state.x[P];
         let rate = self.link_1.map_or(0.0, |i| state.v[i]) - state.v[P];
-        let left = if deflection > 0.5 * of.gap {
-            deflection - 0.5 * of.gap
-        } else if deflection < -0.5 * of.gap {
-            deflection + 0.5 * of.gap
-        } else {
-            return 0.0;
-        };
-        let beyond = match of.beyond {
-            Some(Beyond::KinkedSpring { from_m, ratio }) => ratio * of.stiffness * (left - from_m).max(0.0),
-            _ => 0.0,
-        };
-        of.stiffness * left + of.cubic * left.powi(3) + of.spring_damping * rate + beyond
+        self.of.spring_force(deflection, rate)
     }
 
     /// Generalised forces without dry friction.
@@ -125,8 +113,7 @@ impl<'a> Machine<'a> {
             let (low, high) = ((-bus - k * y_dot) / resistance, (bus - k * y_dot) / resistance);
             motor = k * (commanded / k).clamp(low, high);
         }
-        let on_screw = motor - of.damping * y_dot - of.drag * y_dot.abs() * y_dot
-            + of.ripple[0] * (of.ripple[1] * y / of.travel_per_rad + of.ripple[2]).sin()
+        let on_screw = of.on_screw(motor, y, y_dot)
             - state.slip[0]
             - match of.beyond {
                 Some(Beyond::SquareRootDamper { coefficient }) => {

@@ -64,6 +64,9 @@ pub struct Answer {
     pub seed: u64,
     /// Error of the refitted model without the effects on the holdout runs, noise units.
     pub base_error: f64,
+    /// Whether that was estimated to first order instead of refitted.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub base_error_is_estimate: bool,
     /// `start` or `end`: whether a row's command begins at its time stamp or ends there.
     pub stamp: String,
     /// What is hidden; empty where nothing is.
@@ -124,6 +127,7 @@ mod tests {
             bench: "locked".to_owned(),
             seed: u64::from(u32::MAX),
             base_error: 3.25,
+            base_error_is_estimate: false,
             stamp: "end".to_owned(),
             effects: vec![HiddenEffect {
                 id: "backlash".to_owned(),

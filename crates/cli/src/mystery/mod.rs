@@ -1,14 +1,17 @@
-//! Mysteries: campaigns with something hidden in them, made by the independent simulator, and the judging of a
+//! Mysteries: campaigns with something hidden in them, made by the independent simulators, and the judging of a
 //! verdict on them.
 //!
-//! A bench's mystery comes from [`bench_mystery`]. Whatever makes one returns a [`Mystery`], which is all that the
-//! verb writes: a generator for another kind of bench is one more function of this kind.
+//! A bench's mystery comes from [`bench_mystery`], a leg's from [`leg_mystery`]. Whatever makes one returns a
+//! [`Mystery`], which is all that the verb writes: a generator for another kind of bench is one more function of this
+//! kind.
 
 pub mod answer;
+mod leg;
 mod reveal;
 pub mod score;
 pub mod trial;
 
+pub use leg::leg_mystery;
 pub use reveal::{Verdict, page};
 
 use answer::{Answer, HiddenEffect, Named, TrueSensor};
@@ -30,6 +33,8 @@ pub enum Level {
 pub struct Mystery {
     /// Name and text of each.
     pub files: Vec<(String, String)>,
+    /// How many runs it has.
+    pub runs: usize,
     /// What is true.
     pub answer: Answer,
 }
@@ -62,7 +67,7 @@ pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> anyhow::R
             let made = Order { hidden, ..plain }.make();
             let base_error = trial::base_error(&made)?;
             let answer = answer_of(&made, seed, base_error);
-            return Ok(Mystery { files: made.files(), answer });
+            return Ok(Mystery { runs: made.runs.len(), files: made.files(), answer });
         }
     }
 }
@@ -105,6 +110,7 @@ fn answer_of(made: &Made, seed: u64, base_error: f64) -> Answer {
         bench: made.rig.as_str().to_owned(),
         seed,
         base_error,
+        base_error_is_estimate: false,
         stamp: made.individual.stamp.as_str().to_owned(),
         effects: made
             .hidden

@@ -86,11 +86,20 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
     if answer.effects.iter().any(|e| !e.known) {
         out.push_str("It is in no catalogue: that nothing known explains it is the right answer.\n");
     }
-    let _ = writeln!(
-        out,
-        "Without it the refitted model misses the holdout runs by {:.2} noise units.",
-        answer.base_error
-    );
+    let _ = match (answer.base_error_is_estimate, answer.effects.is_empty()) {
+        // Nothing was estimated of nothing.
+        (true, true) => Ok(()),
+        (true, false) => writeln!(
+            out,
+            "Without it a refitted model would miss the runs by about {:.1} noise units, estimated to first order.",
+            answer.base_error
+        ),
+        (false, _) => writeln!(
+            out,
+            "Without it the refitted model misses the holdout runs by {:.2} noise units.",
+            answer.base_error
+        ),
+    };
     if let Some(v) = verdict {
         let score = v.score(answer);
         let _ = writeln!(out, "The verdict said: {}, {}.", v.verdict, list(&v.effects));
@@ -114,8 +123,11 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
         match fitted(&name) {
             Some(p) => {
                 let std = p.std.map_or("-".to_owned(), |s| figures(s, 2));
+                let _ = write!(out, " {:>14} {std:>12}", figures(p.value, DIGITS));
                 let off = 100.0 * (p.value / truth - 1.0);
-                let _ = writeln!(out, " {:>14} {std:>12} {off:>+6.1} %", figures(p.value, DIGITS));
+                // There is no share of nothing.
+                let _ =
+                    if truth == 0.0 { writeln!(out, "       -") } else { writeln!(out, " {off:>+6.1} %") };
             }
             None if side.is_some() => out.push_str("              -            -       -\n"),
             None => out.push('\n'),

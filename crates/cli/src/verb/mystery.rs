@@ -1,8 +1,7 @@
 //! `sealegs mystery`: a campaign with something hidden in it, to practise on.
 
 use crate::diagnosis::progress;
-use crate::failure::bad_input;
-use crate::mystery::{Level, answer, bench_mystery};
+use crate::mystery::{Level, Mystery, answer, bench_mystery, leg_mystery};
 use crate::output::NewFolder;
 use clap::{Args, ValueEnum};
 use sealegs_reference::campaign::Rig;
@@ -16,8 +15,26 @@ enum Bench {
     Locked,
     /// The screw turns a pendulum
     Pendulum,
-    /// A whole leg
+    /// A whole leg, swinging on a stand or landing on a rail
     Leg,
+}
+
+impl Bench {
+    fn as_str(self) -> &'static str {
+        match self {
+            Self::Locked => Rig::Locked.as_str(),
+            Self::Pendulum => Rig::Pendulum.as_str(),
+            Self::Leg => "leg",
+        }
+    }
+
+    fn mystery(self, name: &str, seed: u64, level: Level) -> anyhow::Result<Mystery> {
+        match self {
+            Self::Locked => bench_mystery(name, Rig::Locked, seed, level),
+            Self::Pendulum => bench_mystery(name, Rig::Pendulum, seed, level),
+            Self::Leg => leg_mystery(name, seed, level),
+        }
+    }
 }
 
 /// Make a campaign with something hidden in it, to practise on
@@ -29,7 +46,7 @@ pub struct MysteryArguments {
     /// Another seed hides something else
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// One dominant effect, or: a weak one, two, none, or one that is in no catalogue
+    /// One dominant effect, or: a weak one, two, none, or (not on a leg) one that is in no catalogue
     #[arg(long, value_enum, default_value = "easy")]
     level: Level,
     /// The folder to make
@@ -43,20 +60,11 @@ pub struct MysteryArguments {
 ///
 /// Bad input if the folder is there already or cannot be made.
 pub fn run(arguments: &MysteryArguments) -> anyhow::Result<u8> {
-    let rig = match arguments.bench {
-        Bench::Locked => Rig::Locked,
-        Bench::Pendulum => Rig::Pendulum,
-        Bench::Leg => {
-            return Err(bad_input(
-                "--bench leg: mysteries of a whole leg cannot be made yet; use locked or pendulum",
-            ));
-        }
-    };
     let folder = NewFolder::new(&arguments.output)?;
-    let name = format!("mystery-{}-{}", rig.as_str(), arguments.seed);
+    let name = format!("mystery-{}-{}", arguments.bench.as_str(), arguments.seed);
     let bar = progress::spinner();
     bar.set_message("hiding something where it shows, and recording four runs");
-    let made = bench_mystery(&name, rig, arguments.seed, arguments.level);
+    let made = arguments.bench.mystery(&name, arguments.seed, arguments.level);
     bar.finish_and_clear();
     let made = made?;
     let sealed = made.answer.sealed()?;
@@ -67,8 +75,8 @@ pub fn run(arguments: &MysteryArguments) -> anyhow::Result<u8> {
         std::io::stdout().lock(),
         "{place}: a campaign of {} runs on the {} bench, with its answer sealed. Now:\n  \
          sealegs diagnose {place} --json verdict.json\n  sealegs reveal {place} --verdict verdict.json",
-        made.files.len() - 1,
-        rig.as_str(),
+        made.runs,
+        arguments.bench.as_str(),
     )?;
     Ok(0)
 }

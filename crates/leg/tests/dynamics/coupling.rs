@@ -1,10 +1,10 @@
 //! The coupling of actuators and links against the independent reference.
 
-use crate::reference::{Instant, Reference};
 use sealegs_leg::robot::Robot;
 use sealegs_leg::scenario::Scenario;
 use sealegs_leg::simulation::{Observer, Sample};
 use sealegs_leg::{LegError, run_robot};
+use sealegs_reference::leg::{Instant, LegIndividual, LegReference};
 
 /// Forces and motion every millisecond.
 #[derive(Default)]
@@ -17,6 +17,7 @@ impl Observer for Seen {
             force_2: s.actuators.iter().map(|a| a.force_2_n).collect(),
             ground: s.ground.normal_force_n,
             q: s.joint_angles_rad.clone(),
+            ..Instant::default()
         });
         Ok(())
     }
@@ -53,18 +54,11 @@ fn compare(truth: &[Instant], seen: &[Instant]) -> Error {
 }
 
 /// The errors at 200, 100 and 50 us against the reference at `fine_s`.
-fn errors(text: &str, currents: [f64; 6], fine_s: f64) -> [Error; 3] {
+fn errors(text: &str, fine_s: f64) -> [Error; 3] {
     let robot = || Robot::load("thor-leg", None).expect("embedded");
     let scenario = Scenario::from_toml(text, "test", &[]).expect("good");
-    let (reference, start) = Reference::new(&scenario, robot(), currents.to_vec());
-    let every = (1e-3 / fine_s).round() as usize;
-    let mut truth = Vec::new();
-    let steps = (scenario.duration_s / fine_s).round() as usize;
-    reference.run(start, fine_s, steps, |step, instant| {
-        if step % every == 0 {
-            truth.push(instant.clone());
-        }
-    });
+    let reference = LegReference::new(&scenario, robot(), &LegIndividual::nominal(6)).expect("good");
+    let truth = reference.run(fine_s, 1e-3).expect("runs");
     [2e-4, 1e-4, 5e-5].map(|step_s| {
         let mut seen = Seen::default();
         let scenario = Scenario { step_s, ..scenario.clone() };
@@ -80,8 +74,7 @@ fn reference_forces_and_motion_in_free_swing() {
                 [start]\nposture_rad = { hip_pitch = -0.5, knee = 0.9, ankle_pitch = 0.1 }\n\
                 [current.knee]\nshape = 'step'\namplitude = 4.0\n[current.hip_front]\nshape = 'step'\namplitude = -3.0\n\
                 [current.ankle_inner]\nshape = 'step'\namplitude = 2.0\n";
-    // Order of the placement file: hip front, hip back, hip pitch, knee, ankle outer, ankle inner.
-    let found = errors(text, [-3.0, 0.0, 0.0, 4.0, 0.0, 2.0], 2e-5);
+    let found = errors(text, 2e-5);
     println!("free swing: {found:?}");
     assert!(found[1].forces < 2e-3 && found[1].angles < 1e-4, "{found:?}");
     // At least first order: halving the step halves the error (a little slack for what is not asymptotic).
@@ -94,8 +87,27 @@ fn reference_forces_and_motion_through_an_impact() {
                 [start]\ndrop_height_m = 0.05\n\
                 posture_rad = { hip_pitch = -0.45, knee = 0.9, ankle_pitch = -0.45 }\n[ground]\n\
                 [current.knee]\nshape = 'step'\namplitude = 5.0\n";
-    let found = errors(text, [0.0, 0.0, 0.0, 5.0, 0.0, 0.0], 2.5e-6);
+    let found = errors(text, 2.5e-6);
     println!("impact: {found:?}");
     assert!(found[1].forces < 1e-3 && found[1].ground_peak < 2e-3, "{found:?}");
     assert!(found[0].forces > 1.8 * found[1].forces, "{found:?}");
+}
+
+#[test]
+fn reference_forces_and_motion_under_the_controller() {
+    // Weight, moment arms, what the motors see of the joints and feed-forward: the whole controller in the loop.
+    let text = "robot = 'thor-leg'\nduration_s = 0.4\n[base]\nkind = 'fixed'\nheight_m = 1.2\n[start]\n\
+                springs = 'balanced'\nposture_rad = { hip_pitch = -0.6, knee = 0.4 }\n[controller]\nkind = 'pd'\n\
+                damping_nm_s_rad = 10.0\ncurrent_limit_a = 10.0\n[motion]\n\
+                hip_pitch = { shape = 'half-cosine', to_rad = -0.9, start_s = 0.05, duration_s = 0.4 }\n\
+                knee = { shape = 'sine', amplitude_rad = 0.15, frequency_hz = 2.0 }\n\
+                ankle_pitch = { shape = 'sine', amplitude_rad = 0.07, frequency_hz = 3.0 }\n\
+                ankle_roll = { shape = 'sine', amplitude_rad = 0.05, frequency_hz = 2.5 }\n\
+                hip_yaw = { shape = 'sine', amplitude_rad = 0.06, frequency_hz = 2.0 }\n";
+    let found = errors(text, 2e-5);
+    println!("controlled: {found:?}");
+    // At the controller's instants the product feels the mean of the old and the new current, the reference the new
+    // one: that difference in the load cells (0.02 % of the greatest force) does not fall with the step.
+    assert!(found[1].forces < 4e-4 && found[1].angles < 1e-5, "{found:?}");
+    assert!(found[0].angles > 1.8 * found[1].angles && found[1].angles > 1.8 * found[2].angles, "{found:?}");
 }

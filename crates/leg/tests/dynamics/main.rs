@@ -5,6 +5,5 @@ mod drop;
 mod fault;
 mod momentum;
 mod pendulum;
-mod reference;
 mod repeat;
 mod stance;

@@ -4,6 +4,7 @@ mod commands;
 mod draws;
 mod hidden;
 mod individual;
+pub mod leg;
 mod logger;
 mod strength;
 

@@ -1,0 +1,54 @@
+//! What acts inside an actuator beside its linear parts: one set of laws for benches and legs.
+
+use crate::beyond::Beyond;
+use crate::reference::Reference;
+
+impl Reference {
+    /// The spring's force without its slipping element, N, positive in compression, at a deflection (m) and its rate.
+    pub(crate) fn spring_force(&self, deflection: f64, rate: f64) -> f64 {
+        let left = if deflection > 0.5 * self.gap {
+            deflection - 0.5 * self.gap
+        } else if deflection < -0.5 * self.gap {
+            deflection + 0.5 * self.gap
+        } else {
+            return 0.0;
+        };
+        let beyond = match self.beyond {
+            Some(Beyond::KinkedSpring { from_m, ratio }) => ratio * self.stiffness * (left - from_m).max(0.0),
+            _ => 0.0,
+        };
+        self.stiffness * left + self.cubic * left.powi(3) + self.spring_damping * rate + beyond
+    }
+
+    /// What is left for the screw of the motor's force `motor`, N, at an extension (m) and its speed: damping, drag
+    /// and ripple taken into account, dry friction not.
+    pub(crate) fn on_screw(&self, motor: f64, y: f64, y_dot: f64) -> f64 {
+        motor - self.damping * y_dot - self.drag * y_dot.abs() * y_dot
+            + self.ripple[0] * (self.ripple[1] * y / self.travel_per_rad + self.ripple[2]).sin()
+    }
+
+    /// Whether the rotor has dry friction.
+    pub(crate) fn has_rotor_friction(&self) -> bool {
+        self.coulomb > 0.0
+            || self.stribeck.is_some()
+            || self.load_friction > 0.0
+            || self.directed.is_some()
+            || matches!(self.beyond, Some(Beyond::PositionFriction { .. }))
+    }
+
+    /// Bound of the rotor's dry friction, N, at an extension `y` and a speed in a direction, +1 or -1, under the
+    /// force in the screw.
+    pub(crate) fn rotor_bound(&self, y: f64, speed: f64, direction: f64, load: f64) -> f64 {
+        let stribeck = self
+            .stribeck
+            .map_or(0.0, |[low, high, velocity]| low + (high - low) * (-(speed / velocity).powi(2)).exp());
+        let directed = self.directed.map_or(0.0, |[force, a]| force * (1.0 + a * direction));
+        let placed = match self.beyond {
+            Some(Beyond::PositionFriction { force_n, period_m }) => {
+                force_n * (1.0 + (std::f64::consts::TAU * y / period_m).sin())
+            }
+            _ => 0.0,
+        };
+        self.coulomb + stribeck + directed + self.load_friction * load.abs() + placed
+    }
+}
