@@ -15,7 +15,7 @@ const COARSE_SUBSTEPS: usize = 20;
 /// Duration of the runs while a strength is looked for, s: the same commands in less time.
 const SHORT_S: f64 = 6.0;
 
-/// Error of the fit runs below which they do not show an effect.
+/// Error below which runs do not show an effect.
 const FELT: f64 = 1.15;
 
 /// How far the model without an effect fails.
@@ -105,21 +105,29 @@ pub fn campaign_of(made: &Made) -> anyhow::Result<(Campaign, BenchModel)> {
     Ok((campaign, model))
 }
 
-/// The refitted base model's error on the holdout runs, in noise units; that of the fit runs where they are at the noise
-/// floor, for what only held-out runs show cannot be found.
+/// The refitted base model's error on the holdout runs, in noise units.
 ///
 /// # Errors
 ///
 /// If the model cannot be simulated.
 pub fn base_error(made: &Made) -> anyhow::Result<f64> {
+    Ok(errors(made)?.1)
+}
+
+/// The refitted base model's error on the fit runs and on the holdout runs, in noise units.
+fn errors(made: &Made) -> anyhow::Result<(f64, f64)> {
     let (campaign, model) = campaign_of(made)?;
     let data = Data::new(&campaign, Some(Role::Fit), &model)?;
     let holdout = Data::new(&campaign, Some(Role::Holdout), &model)?;
     let fitted = fit::fit(&data, &model, &FitOptions::default())?;
-    if fitted.error() < FELT {
-        return Ok(fitted.error());
-    }
-    Ok(holdout.judge(&model, &fitted.values, fitted.sensors())?.rms)
+    let judged = holdout.judge(&model, &fitted.values, fitted.sensors())?;
+    Ok((fitted.error(), judged.rms))
+}
+
+/// How far an effect shows: in fit and holdout runs alike, for what only held-out runs show cannot be found.
+fn shown(made: &Made) -> anyhow::Result<f64> {
+    let (fit, holdout) = errors(made)?;
+    Ok(fit.min(holdout))
 }
 
 /// Whether every parameter of the hidden effects lies where a fit may look for it.
@@ -136,9 +144,9 @@ fn admitted(made: &Made) -> anyhow::Result<bool> {
     Ok(made.hidden.iter().all(within))
 }
 
-/// The effect with the seed's shape, so strong that the base model's error on shorter runs of the order is that of
-/// a strength; `None` where nothing brings it there: it cannot be seen on this bench, or only beyond the bounds that
-/// its card admits.
+/// The effect with the seed's shape, so strong that the base model's error on shorter runs of the order, fit and holdout
+/// alike, is that of a strength; `None` where nothing brings it there: it cannot be seen on this bench, or only beyond
+/// the bounds that its card admits.
 ///
 /// # Errors
 ///
@@ -150,12 +158,12 @@ pub fn visible(order: &Order, id: &str, strength: Strength) -> anyhow::Result<Op
         substeps: COARSE_SUBSTEPS,
         ..order.clone()
     };
-    let Some(amount) = reach(strength.window(id), |amount| base_error(&short(amount).make()))? else {
+    let Some(amount) = reach(strength.window(id), |amount| shown(&short(amount).make()))? else {
         return Ok(None);
     };
     let admitted = admitted(&short(amount).make())?;
     // Whole runs may be driven otherwise than short ones.
     let whole = Order { duration_s: order.duration_s, ..short(amount) };
-    let shows = order.duration_s <= SHORT_S || base_error(&whole.make())? >= FELT;
+    let shows = order.duration_s <= SHORT_S || shown(&whole.make())? >= FELT;
     Ok((admitted && shows).then(|| Hidden::drawn(id, order.seed, amount)))
 }
