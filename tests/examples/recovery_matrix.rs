@@ -88,7 +88,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let order: Vec<String> = cases(&all).iter().map(|c| c.name()).collect();
     let place = |o: &Outcome| order.iter().position(|n| *n == o.name).unwrap_or(order.len());
     done.sort_by_key(place);
-    std::fs::write(&arguments.page, table(&done, &today()))?;
+    std::fs::write(&arguments.page, table(&done, order.len(), &today()))?;
     Ok(())
 }
 

@@ -28,7 +28,7 @@ fn reference_a_slice_of_the_matrix_is_right_or_tied() {
         assert!(outcome.worst_parameter.is_none_or(|e| e < 0.05), "{outcome:?}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "what is right is not kept");
-    let page = table(&outcomes, "today");
+    let page = table(&outcomes, cases.len(), "today");
     assert!(
         page.contains("| hardening-spring |  | R |") || page.contains("| hardening-spring |  | t |"),
         "{page}"

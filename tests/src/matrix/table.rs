@@ -31,14 +31,15 @@ fn tally<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> (BTreeMap<String, u
     (counts, all)
 }
 
-/// The page for outcomes in the order of their rows.
+/// The page for outcomes in the order of their rows, of so many campaigns that there are to be.
 #[must_use]
-pub fn table(outcomes: &[Outcome], date: &str) -> String {
+pub fn table(outcomes: &[Outcome], of: usize, date: &str) -> String {
     let mut out = format!(
         "# Recovery matrix, {date}\n\n\
          Made by `cargo run --release --example recovery_matrix`: campaigns of an independent simulator\n\
          (`crates/reference`) with wrong start parameters, through the whole diagnosis. Runs of {DURATION_S:.0} s, two to \
-         fit on and two to judge on.\n\n"
+         fit on and two to judge on. {} of {of} campaigns are made.\n\n",
+        outcomes.len()
     );
     totals(&mut out, outcomes);
     cells(&mut out, outcomes);

@@ -2,8 +2,8 @@
 //! the model itself in the place of the search's coarser one.
 
 use super::candidate::symbol;
-use super::screen::{LISTED, PHASE};
-use super::search::{AT_FLOOR, Search};
+use super::screen::{LISTED, PHASE, is_amplitude};
+use super::search::{AT_FLOOR, FAR_ABOVE, Search};
 use super::{Candidate, rugged, with_effects};
 use crate::fit::{self, Difference, FitOptions, FittedParameter};
 use rayon::prelude::*;
@@ -25,6 +25,17 @@ const VALLEYS: usize = 3;
 
 /// Steps in which the other parameters follow one that was moved.
 const FOLLOWING_STEPS: usize = 3;
+
+/// Times that a lower place is looked for on the slope of a strength.
+const DESCENTS: usize = 8;
+
+/// How far it is looked for, as logarithms of ratios, and points to each side.
+const SLOPES: [f64; 3] = [0.7, 0.12, 0.02];
+/// See [`SLOPES`].
+const SLOPE_POINTS: i32 = 12;
+
+/// Ratios by which a strength is moved where the others must follow it to a lower place.
+const NUDGES: [f64; 8] = [0.95, 0.98, 0.992, 0.997, 1.003, 1.008, 1.02, 1.05];
 
 /// Distance from a whole number, as a ratio, beyond which a fit has come to rest between two.
 const WHOLE: f64 = 3e-4;
@@ -174,6 +185,78 @@ impl Search<'_> {
             .unwrap_or(candidate)
     }
 
+    /// The candidate, or its fit from a lower place along the strength of an effect: beside a play or a dry friction the
+    /// error has many valleys on the slope to the lowest one, and steps by derivatives end in the first. Where
+    /// simulations are cheap, and much is left.
+    pub(super) fn descended(&self, mut candidate: Candidate) -> Candidate {
+        for _ in 0..DESCENTS {
+            if self.options.secants || candidate.fit.error() <= FAR_ABOVE * self.floor {
+                break;
+            }
+            let (fit, model) = (&candidate.fit, candidate.model.as_ref());
+            let strength =
+                |i: &usize| *i >= self.base.parameters().len() && is_amplitude(&model.parameters()[*i]);
+            let moved: Vec<Vec<f64>> = fit
+                .free
+                .iter()
+                .copied()
+                .filter(strength)
+                .flat_map(|i| {
+                    let p = &model.parameters()[i];
+                    let ratios = SLOPES.iter().flat_map(|width| {
+                        (-SLOPE_POINTS..=SLOPE_POINTS)
+                            .filter(|k| *k != 0)
+                            .map(move |k| (f64::from(k) * width / f64::from(SLOPE_POINTS)).exp())
+                    });
+                    ratios.map(move |ratio| {
+                        let mut values = fit.values.clone();
+                        values[i] = (values[i] * ratio).clamp(p.min, p.max);
+                        values
+                    })
+                })
+                .collect();
+            let costs: Vec<f64> = moved
+                .par_iter()
+                .map(|values| self.data.evaluate(model, values).map_or(f64::INFINITY, |e| e.cost))
+                .collect();
+            let lowest = (0..costs.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a });
+            let straight = lowest.filter(|&i| costs[i] < fit.cost).map(|i| moved[i].clone());
+            let Some(start) = straight.or_else(|| self.followed(&candidate, strength)) else { break };
+            let known: Vec<(String, f64)> =
+                fit.parameters.iter().zip(&start).map(|(p, v)| (p.name.clone(), *v)).collect();
+            match self.fitted_near(&candidate, &candidate.effects, &known) {
+                Some(lower) if lower.fit.cost < (1.0 - BETTER) * candidate.fit.cost => candidate = lower,
+                _ => break,
+            }
+        }
+        candidate
+    }
+
+    /// A lower place near the candidate, where each strength was moved a little and all others followed it.
+    fn followed(&self, candidate: &Candidate, strength: impl Fn(&usize) -> bool) -> Option<Vec<f64>> {
+        let own = candidate.fit.free.iter().copied().filter(strength);
+        let moved: Vec<(usize, f64)> = own.flat_map(|i| NUDGES.map(|ratio| (i, ratio))).collect();
+        let places: Vec<(Vec<f64>, f64)> =
+            moved.into_par_iter().filter_map(|(i, ratio)| self.following(candidate, i, ratio)).collect();
+        let lowest = places.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
+        lowest.filter(|(_, cost)| *cost < candidate.fit.cost).map(|(values, _)| values)
+    }
+
+    /// Values with one parameter moved by a ratio and held there, while the others follow for a few steps, with the cost.
+    fn following(&self, candidate: &Candidate, i: usize, ratio: f64) -> Option<(Vec<f64>, f64)> {
+        let (p, mut start) = (&candidate.model.parameters()[i], candidate.fit.values.clone());
+        start[i] = (start[i] * ratio).clamp(p.min, p.max);
+        let options = FitOptions {
+            start: Some(start),
+            starts: 1,
+            max_steps: FOLLOWING_STEPS,
+            difference: Difference::Forward,
+            held: vec![p.name.clone()],
+            ..FitOptions::default()
+        };
+        fit::fit(self.data, candidate.model.as_ref(), &options).ok().map(|f| (f.values, f.cost))
+    }
+
     /// Values with each parameter of the effects moved by some ratios, and their costs; on a bench the others follow
     /// for a few steps.
     fn shakes(&self, candidate: &Candidate) -> Vec<(Vec<f64>, f64)> {
@@ -196,15 +279,7 @@ impl Search<'_> {
                 let cost = self.data.evaluate(model, &moved).map_or(f64::INFINITY, |e| e.cost);
                 return (moved, cost);
             }
-            let options = FitOptions {
-                start: Some(moved.clone()),
-                starts: 1,
-                max_steps: FOLLOWING_STEPS,
-                difference: Difference::Forward,
-                held: vec![model.parameters()[i].name.clone()],
-                ..FitOptions::default()
-            };
-            fit::fit(self.data, model, &options).map_or((moved, f64::INFINITY), |f| (f.values, f.cost))
+            self.following(candidate, i, moved[i] / fit.values[i]).unwrap_or((moved, f64::INFINITY))
         };
         moved.into_par_iter().map(looked_at).collect()
     }

@@ -215,6 +215,7 @@ pub fn diagnose(
         data: &data,
         base: coarse.as_ref(),
         exact: base,
+        refined: false,
         nominal: nominal.map(|fit| Candidate::of_base(&data, coarse.as_ref(), fit)),
         seen: &seen,
         admitted,

@@ -4,7 +4,7 @@
 use super::candidate::Effort;
 use super::compare::{clearly_better, gain, worth};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
-use super::{Candidate, Options, Progress, Validation};
+use super::{Candidate, Options, Progress, Validation, with_effects};
 use crate::data::Data;
 use crate::fit::Difference;
 use rayon::prelude::*;
@@ -33,6 +33,8 @@ pub(super) struct Search<'a> {
     pub base: &'a dyn Model,
     /// The base model itself.
     pub exact: &'a dyn Model,
+    /// Whether the search goes on with that.
+    pub refined: bool,
     /// The base model at its nominal values, where single effects are screened if it has many parameters: fitted without
     /// the effect they bend so far that it is hidden, and one linear step from what the maker states is near enough.
     pub nominal: Option<Candidate>,
@@ -61,7 +63,11 @@ pub(super) const AT_FLOOR: f64 = 1.01;
 const NEAR_FLOOR: f64 = 1.05;
 
 /// Error as a ratio of the floor beyond which the best set is suspected to be a poor fit before others are put beside it.
-const FAR_ABOVE: f64 = 1.2;
+pub(super) const FAR_ABOVE: f64 = 1.2;
+
+/// Mean squared difference of predictions with the search's steps and the model's own, in squared floors, above which
+/// the search's are too coarse.
+const TOO_COARSE: f64 = 0.1;
 
 /// How much more of what is unexplained a fit may leave after a race and still be fitted to the end.
 const REACH: f64 = 8.0;
@@ -123,6 +129,7 @@ impl Search<'_> {
                 break;
             }
             // A law that came to rest half way is found before others are put beside it.
+            self.refine_steps(best);
             if self.tried[best].fit.error() > FAR_ABOVE * self.floor {
                 let better = self.second_chances(best);
                 if better != best {
@@ -151,6 +158,32 @@ impl Search<'_> {
             }
         }
         Found { tried: self.tried, chosen, tied, promises, base_as_searched }
+    }
+
+    /// Goes on with the model's own steps where the search's are too coarse for a set (a play whose ends meet): the
+    /// error that they leave would be explained by further effects.
+    fn refine_steps(&mut self, index: usize) {
+        let candidate = &self.tried[index];
+        let much_is_left = candidate.fit.error() > FAR_ABOVE * self.floor;
+        if self.options.secants || self.refined || !much_is_left {
+            return;
+        }
+        let Ok(model) = with_effects(self.exact, &candidate.effects, self.seen) else { return };
+        let Ok(exactly) = self.data.evaluate(model.as_ref(), &candidate.fit.values) else { return };
+        let (mut squares, mut rows) = (0.0, 0usize);
+        for (a, b) in exactly.blocks.iter().zip(&candidate.fit.evaluation.blocks) {
+            squares += a.residual.iter().zip(&b.residual).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
+            rows += a.residual.len();
+        }
+        if squares <= TOO_COARSE * self.floor * self.floor * rows as f64 {
+            return;
+        }
+        self.base = self.exact;
+        self.refined = true;
+        let candidate = &self.tried[index];
+        if let Some(fitted) = self.fitted_near(candidate, &candidate.effects, &candidate.known()) {
+            self.tried[index] = self.shaken(self.descended(fitted));
+        }
     }
 
     /// Whether nothing is left to explain.
@@ -304,7 +337,10 @@ impl Search<'_> {
             .enumerate()
             .map(|(place, c)| match place {
                 // A choice that the base model made far from the truth may be wrong beside an effect.
-                0 => self.with_best_choice(self.shaken(self.whole(self.returned(self.finished(c)))), 0.0),
+                0 => self.with_best_choice(
+                    self.shaken(self.whole(self.descended(self.returned(self.finished(c))))),
+                    0.0,
+                ),
                 1 if within(&c) => self.with_best_choice(self.whole(self.returned(self.finished(c))), 0.0),
                 _ if place < self.options.finishers && within(&c) => self.finished(c),
                 _ => c,
