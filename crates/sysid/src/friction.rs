@@ -3,9 +3,9 @@
 //! What a motor commands goes into the load, into the acceleration of what turns, and into friction. A regression
 //! `u = F / k + j a + f(v)` of the command `u` on the measured load `F`, the acceleration `a` and a level for each
 //! range of speed `v` therefore leaves the friction curve `k f(v)` in the load's unit, with what is viscous in its
-//! slope and what is dry in its step at standstill. Speed and acceleration come from the measured angle by local
-//! cubics. Of a model's prediction the same estimate is made from the same signals, so that whatever the smoothing
-//! does, it does to both.
+//! slope and what is dry in its step at standstill. Speed and acceleration come from the angle by local cubics. A
+//! measured angle's noise would make the acceleration look like less than it is: `1/k` and `j` are taken from a model's
+//! prediction, which has none, and of the measured signals the levels alone, as means in which noise cancels.
 
 use crate::{resample, stats};
 use nalgebra::{DMatrix, DVector};
@@ -66,7 +66,16 @@ pub fn viscous(points: &[FrictionPoint]) -> f64 {
     if slope.is_finite() { slope } else { 0.0 }
 }
 
-/// How signals are smoothed and speeds cut: from the measured signals, so that models' are treated alike.
+/// What of the command goes into the load and into the acceleration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shares {
+    /// Command per load.
+    pub load: f64,
+    /// Command per acceleration of the position.
+    pub acceleration: f64,
+}
+
+/// How signals are smoothed and speeds cut, for all signals alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Treatment {
     half_width: usize,
@@ -92,9 +101,10 @@ impl Treatment {
         (top > 0.0).then_some(Self { half_width, limits })
     }
 
-    /// The friction curve, slowest speeds in the middle; `None` where the signals do not determine one.
+    /// The command per load and per acceleration, and the friction curve, slowest speeds in the middle; `None` where the
+    /// signals do not determine them.
     #[must_use]
-    pub fn curve(&self, runs: &[DriveSignals]) -> Option<Vec<FrictionPoint>> {
+    pub fn regression(&self, runs: &[DriveSignals]) -> Option<(Shares, Vec<FrictionPoint>)> {
         let all: Vec<Moved> = runs.iter().map(|r| moved(r, self.half_width)).collect();
         let rows: Vec<[f64; 4]> = all
             .iter()
@@ -104,11 +114,8 @@ impl Treatment {
             .collect();
         let place = |v: f64| self.limits.partition_point(|&l| l <= v);
         let mut count = vec![0usize; self.limits.len() + 1];
-        let mut sum = vec![0.0; count.len()];
         for row in &rows {
-            let cell = place(row[3]);
-            count[cell] += 1;
-            sum[cell] += row[3];
+            count[place(row[3])] += 1;
         }
         let kept: Vec<usize> = (0..count.len()).filter(|&c| count[c] >= LEAST_ROWS).collect();
         let n = kept.len() + 2;
@@ -134,13 +141,27 @@ impl Treatment {
         if !(squares > 0.0 && b.dot(&solution) > EXPLAINED * squares && solution[0] != 0.0) {
             return None;
         }
-        let per_command = (load / solution[0]).abs();
-        let points: Vec<FrictionPoint> = kept
-            .iter()
-            .enumerate()
-            .map(|(i, &cell)| FrictionPoint {
-                speed: sum[cell] / count[cell] as f64,
-                friction: per_command * solution[2 + i],
+        let shares = Shares { load: solution[0] / load, acceleration: solution[1] / acceleration };
+        self.curve(runs, shares).map(|points| (shares, points))
+    }
+
+    /// The friction curve of signals whose shares are known; `None` where too few ranges have samples.
+    #[must_use]
+    pub fn curve(&self, runs: &[DriveSignals], shares: Shares) -> Option<Vec<FrictionPoint>> {
+        let mut sums = vec![(0usize, 0.0, 0.0); self.limits.len() + 1];
+        for m in runs.iter().map(|r| moved(r, self.half_width)) {
+            for (i, &v) in m.speed.iter().enumerate() {
+                let cell = &mut sums[self.limits.partition_point(|&l| l <= v)];
+                let left = m.command[i] - shares.load * m.load[i] - shares.acceleration * m.acceleration[i];
+                *cell = (cell.0 + 1, cell.1 + v, cell.2 + left);
+            }
+        }
+        let points: Vec<FrictionPoint> = sums
+            .into_iter()
+            .filter(|(count, ..)| *count >= LEAST_ROWS)
+            .map(|(count, speed, left)| FrictionPoint {
+                speed: speed / count as f64,
+                friction: left / count as f64 / shares.load.abs(),
             })
             .collect();
         let finite = points.iter().all(|p| p.friction.is_finite() && p.speed.is_finite());
@@ -227,7 +248,7 @@ mod tests {
         }
         let run =
             DriveSignals { time_s: &time, command: &command, load: &load, position: &position, held: false };
-        let curve = Treatment::of(&[run]).unwrap().curve(&[run]).unwrap();
+        let curve = Treatment::of(&[run]).unwrap().regression(&[run]).unwrap().1;
         // Slower ranges hold samples whose local cubic spans a reversal.
         let steady = curve.iter().filter(|p| p.speed.abs() > 10.0);
         assert!(steady.clone().count() >= 6);

@@ -8,7 +8,7 @@ use sealegs_model::InputHold;
 use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
 use sealegs_recorder::report::Report;
 use sealegs_sysid::Evaluation;
-use sealegs_sysid::friction::{DriveSignals, Treatment, viscous};
+use sealegs_sysid::friction::{DriveSignals, FrictionPoint, Treatment, viscous};
 
 /// Channels that may play a role, the best first.
 const COMMANDS: [&str; 3] = ["current_a", "motor_force_n", "motor_torque_nm"];
@@ -53,77 +53,85 @@ fn signal(part: &Part, run: usize, name: &str, at: Option<&Evaluation>) -> Optio
     }
 }
 
+/// The signals of one run.
+struct RunSignals {
+    hold: InputHold,
+    time_s: Vec<f64>,
+    command: Vec<f64>,
+    load: Vec<f64>,
+    position: Vec<f64>,
+}
+
+impl RunSignals {
+    fn of(part: &Part, run: usize, channels: &Channels, at: Option<&Evaluation>) -> Option<Self> {
+        let get = |name: &str| signal(part, run, name, at);
+        let (r, record) = (&part.data.runs[run], part.data.runs[run].record);
+        Some(Self {
+            hold: record.hold,
+            time_s: r.rows().map(|i| record.time_s[i]).collect(),
+            command: get(&channels.command)?,
+            load: get(&channels.load)?,
+            position: get(&channels.position)?,
+        })
+    }
+}
+
+/// The same, lent to an estimate.
+fn lent_all(runs: &[RunSignals]) -> Vec<DriveSignals<'_>> {
+    runs.iter()
+        .map(|r| DriveSignals {
+            time_s: &r.time_s,
+            command: &r.command,
+            load: &r.load,
+            position: &r.position,
+            held: r.hold == InputHold::ZeroOrder,
+        })
+        .collect()
+}
+
 /// Friction against speed, where an effect is named that is one.
 pub fn curve(page: &mut Report, story: &Story) {
     let is_friction = |e: &&String| e.contains("friction") || e.contains("drag");
     let parts = &story.compared.parts;
     let effects = story.outcome.effects.iter();
     let Some(channels) = effects.filter(is_friction).find_map(|e| Channels::of(parts, e)) else { return };
-    // Which of a part's evaluations, or the measurement.
-    type Side<'s> = &'s dyn Fn(&Part) -> Option<Evaluation>;
-    let sides: [(&str, Hue, Dash, Side); 3] = [
-        ("measured", Hue::Ink, Dash::Solid, &|_| None),
-        ("before", Hue::Vermillion, Dash::Dashed, &|p| Some(p.before.clone())),
-        ("after", Hue::Blue, Dash::Solid, &|p| p.after.clone()),
-    ];
-    let mut treatment = None;
-    let mut slope = None;
-    let chart = |title: &str| {
+    let signals = |side: &dyn Fn(&Part) -> Option<Evaluation>| -> Option<Vec<RunSignals>> {
+        let mut all = Vec::new();
+        for part in parts {
+            let at = side(part);
+            for run in 0..part.data.runs.len() {
+                all.push(RunSignals::of(part, run, &channels, at.as_ref())?);
+            }
+        }
+        Some(all)
+    };
+    let before = signals(&|p| Some(p.before.clone()));
+    let after = signals(&|p| p.after.clone()).filter(|_| parts.iter().all(|p| p.after.is_some()));
+    let (Some(measured), Some(before), Some(after)) = (signals(&|_| None), before, after) else { return };
+    let Some(treatment) = Treatment::of(&lent_all(&after)) else { return };
+    let Some((shares, after)) = treatment.regression(&lent_all(&after)) else { return };
+    let curve = |runs: &[RunSignals]| treatment.curve(&lent_all(runs), shares);
+    let (Some(measured), Some(before)) = (curve(&measured), curve(&before)) else { return };
+    let slope = viscous(&after);
+    let chart = |title: &str, slope: f64| {
+        let less = |points: &[FrictionPoint]| -> Vec<(f64, f64)> {
+            points.iter().map(|p| (p.speed, p.friction - slope * p.speed)).collect()
+        };
         let speed = format!("{}/s", unit(&channels.position));
         let across = Axis::new(&format!("speed by {}", channels.position), &speed);
         Chart::new(title, across, Axis::new("friction", unit(&channels.load)))
+            .scatter("measured", Hue::Ink, Marker::Circle, less(&measured))
+            .line("before", Hue::Vermillion, Dash::Dashed, less(&before))
+            .line("after", Hue::Blue, Dash::Solid, less(&after))
     };
-    let (mut whole, mut dry) = (chart("Friction against speed"), chart("Without what is viscous"));
-    for (label, hue, dash, side) in sides {
-        let evaluations: Vec<Option<Evaluation>> = parts.iter().map(side).collect();
-        let mut owned = Vec::new();
-        for (part, at) in parts.iter().zip(&evaluations) {
-            for run in 0..part.data.runs.len() {
-                let get = |name: &str| signal(part, run, name, at.as_ref());
-                let all = (get(&channels.command), get(&channels.load), get(&channels.position));
-                let (Some(command), Some(load), Some(position)) = all else { return };
-                let (record, rows) = (part.data.runs[run].record, part.data.runs[run].rows());
-                let time_s: Vec<f64> = rows.map(|i| record.time_s[i]).collect();
-                owned.push((record.hold, time_s, command, load, position));
-            }
-        }
-        let runs: Vec<DriveSignals> = owned
-            .iter()
-            .map(|(hold, time_s, command, load, position)| DriveSignals {
-                time_s,
-                command,
-                load,
-                position,
-                held: *hold == InputHold::ZeroOrder,
-            })
-            .collect();
-        if treatment.is_none() {
-            treatment = Treatment::of(&runs);
-        }
-        let points = treatment.as_ref().and_then(|t| t.curve(&runs));
-        // Without what was measured the models' curves have nothing to stand beside.
-        let Some(points) = points else {
-            if label == "measured" {
-                return;
-            }
-            continue;
-        };
-        let slope = *slope.get_or_insert_with(|| viscous(&points));
-        let less =
-            |slope: f64| points.iter().map(|p| (p.speed, p.friction - slope * p.speed)).collect::<Vec<_>>();
-        let add = |chart: Chart, points| match label {
-            "measured" => chart.scatter(label, hue, Marker::Circle, points),
-            _ => chart.line(label, hue, dash, points),
-        };
-        (whole, dry) = (add(whole, less(0.0)), add(dry, less(slope)));
-    }
+    let (whole, dry) = (chart("Friction against speed", 0.0), chart("Without what is viscous", slope));
     page.section("Friction against speed");
     page.figure_of(
         &[&whole, &dry],
         &format!(
-            "What of {} neither reaches {} nor accelerates the drive, by ranges of speed: a regression over all runs, of the \
-             measured signals and of the models' predictions alike. Dry friction is the step at standstill, viscous friction \
-             the slope, which is that of the measured curve in the picture below.",
+            "What of {} neither reaches {} nor accelerates the drive, by ranges of speed, over all runs: measured, \
+             and as the two models predict it. What reaches the load and what accelerates is by the model after. Dry friction is \
+             the step at standstill, viscous friction the slope; below, without the slope of the model after.",
             channels.command, channels.load
         ),
     );
