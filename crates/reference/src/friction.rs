@@ -14,7 +14,24 @@ pub(crate) enum Mode {
 }
 
 /// More events than this within one step would be chattering: the contact is then taken as sticking.
-const MOST_EVENTS: usize = 12;
+pub(crate) const MOST_EVENTS: usize = 12;
+
+/// The first of the slipping contacts whose speed reverses in a step, with the fraction of the step that it takes, by
+/// the contacts' speeds before and after.
+pub(crate) fn first_reversal(modes: &[Mode], speeds: impl Fn(usize) -> (f64, f64)) -> Option<(usize, f64)> {
+    let mut first: Option<(usize, f64)> = None;
+    for (contact, mode) in modes.iter().enumerate() {
+        let Mode::Slip(direction) = mode else { continue };
+        let (before, after) = speeds(contact);
+        if after * direction < 0.0 {
+            let fraction = before / (before - after);
+            if first.is_none_or(|(_, f)| fraction < f) {
+                first = Some((contact, fraction));
+            }
+        }
+    }
+    first
+}
 
 impl Machine<'_> {
     fn row(&self, contact: usize) -> &Row {
@@ -126,19 +143,9 @@ impl Machine<'_> {
         let mut events = 0;
         loop {
             let next = self.runge_kutta(state, &frame, left);
-            let mut first: Option<(usize, f64)> = None;
-            for contact in 0..2 {
-                if let Mode::Slip(direction) = frame.mode[contact] {
-                    let (before, after) = (dot(self.row(contact), &state.v), dot(self.row(contact), &next.v));
-                    if after * direction < 0.0 && events < MOST_EVENTS {
-                        let fraction = before / (before - after);
-                        if first.is_none_or(|(_, f)| fraction < f) {
-                            first = Some((contact, fraction));
-                        }
-                    }
-                }
-            }
-            let Some((contact, fraction)) = first else {
+            let speeds = |i| (dot(self.row(i), &state.v), dot(self.row(i), &next.v));
+            let reversal = (events < MOST_EVENTS).then(|| first_reversal(&frame.mode, speeds)).flatten();
+            let Some((contact, fraction)) = reversal else {
                 *state = next;
                 break;
             };

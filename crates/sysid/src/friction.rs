@@ -34,7 +34,7 @@ pub struct FrictionPoint {
     pub friction: f64,
 }
 
-/// Share of a range's samples that must be there, and least number of them.
+/// A range with fewer samples has no level.
 const LEAST_ROWS: usize = 20;
 
 /// Limits of ranges, as parts of the greatest speed.
@@ -142,14 +142,18 @@ impl Treatment {
             return None;
         }
         let shares = Shares { load: solution[0] / load, acceleration: solution[1] / acceleration };
-        self.curve(runs, shares).map(|points| (shares, points))
+        self.levels(&all, shares).map(|points| (shares, points))
     }
 
     /// The friction curve of signals whose shares are known; `None` where too few ranges have samples.
     #[must_use]
     pub fn curve(&self, runs: &[DriveSignals], shares: Shares) -> Option<Vec<FrictionPoint>> {
+        self.levels(&runs.iter().map(|r| moved(r, self.half_width)).collect::<Vec<_>>(), shares)
+    }
+
+    fn levels(&self, runs: &[Moved], shares: Shares) -> Option<Vec<FrictionPoint>> {
         let mut sums = vec![(0usize, 0.0, 0.0); self.limits.len() + 1];
-        for m in runs.iter().map(|r| moved(r, self.half_width)) {
+        for m in runs {
             for (i, &v) in m.speed.iter().enumerate() {
                 let cell = &mut sums[self.limits.partition_point(|&l| l <= v)];
                 let left = m.command[i] - shares.load * m.load[i] - shares.acceleration * m.acceleration[i];

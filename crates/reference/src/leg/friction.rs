@@ -3,22 +3,9 @@
 use super::machine::{Machine, State, System};
 use super::setup::MOST_ACTUATORS;
 use super::solve::MOST;
-
-/// How a rotor moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Mode {
-    /// There is no dry friction.
-    Free,
-    /// At rest.
-    Stick,
-    /// In motion in this direction, +1 or -1.
-    Slip(f64),
-}
+use crate::friction::{MOST_EVENTS, Mode, first_reversal};
 
 pub(super) type Modes = [Mode; MOST_ACTUATORS];
-
-/// More events than this within one step would be chattering: the rotor is then taken as sticking.
-const MOST_EVENTS: usize = 12;
 
 impl Machine<'_> {
     fn rubbing(&self) -> impl Iterator<Item = usize> {
@@ -133,19 +120,9 @@ impl Machine<'_> {
         let (mut left, mut events) = (step, 0);
         loop {
             let next = self.runge_kutta(state, &modes, currents, left);
-            let mut first: Option<(usize, f64)> = None;
-            for (i, mode) in modes.iter().enumerate() {
-                let Mode::Slip(direction) = mode else { continue };
-                let row = self.of.bodies + i;
-                let (before, after) = (state.v[row], next.v[row]);
-                if after * direction < 0.0 && events < MOST_EVENTS {
-                    let fraction = before / (before - after);
-                    if first.is_none_or(|(_, f)| fraction < f) {
-                        first = Some((i, fraction));
-                    }
-                }
-            }
-            let Some((i, fraction)) = first else {
+            let speeds = |i| (state.v[self.of.bodies + i], next.v[self.of.bodies + i]);
+            let reversal = (events < MOST_EVENTS).then(|| first_reversal(&modes, speeds)).flatten();
+            let Some((i, fraction)) = reversal else {
                 *state = next;
                 break;
             };

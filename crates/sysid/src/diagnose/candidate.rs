@@ -99,7 +99,13 @@ impl Candidate {
     /// Fitted values by the parameters' names.
     #[must_use]
     pub fn known(&self) -> Vec<(String, f64)> {
-        self.fit.parameters.iter().map(|p| (p.name.clone(), p.value)).collect()
+        self.named(&self.fit.values)
+    }
+
+    /// Values of its model by the parameters' names.
+    #[must_use]
+    pub fn named(&self, values: &[f64]) -> Vec<(String, f64)> {
+        self.fit.parameters.iter().zip(values).map(|(p, v)| (p.name.clone(), *v)).collect()
     }
 
     /// The derivatives of its fit, for fits nearby.

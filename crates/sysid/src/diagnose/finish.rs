@@ -7,7 +7,7 @@ use super::search::{AT_FLOOR, FAR_ABOVE, Search};
 use super::{Candidate, rugged, with_effects};
 use crate::fit::{self, Difference, FitOptions, FittedParameter};
 use rayon::prelude::*;
-use sealegs_model::Scale;
+use sealegs_model::{Model, Scale};
 use std::f64::consts::{PI, TAU};
 
 /// Prior standard deviations from its nominal value beyond which a base parameter is suspected to have been driven there.
@@ -116,11 +116,7 @@ impl Search<'_> {
             order.retain(|&i| costs[i].is_finite() && (!self.options.secants || at_once(i)));
             let fitted: Vec<Option<Candidate>> = order
                 .par_iter()
-                .map(|&i| {
-                    let known = candidate.fit.parameters.iter().zip(&moved[i]);
-                    let known: Vec<(String, f64)> = known.map(|(p, v)| (p.name.clone(), *v)).collect();
-                    self.fitted_near(&candidate, &candidate.effects, &known)
-                })
+                .map(|&i| self.fitted_near(&candidate, &candidate.effects, &candidate.named(&moved[i])))
                 .collect();
             let best =
                 fitted.into_iter().flatten().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
@@ -163,26 +159,16 @@ impl Search<'_> {
                 values
             })
             .collect();
-        let followed = turned.into_par_iter().filter_map(|start| {
-            let options = FitOptions {
-                start: Some(start),
-                starts: 1,
-                max_steps: self.options.race_steps,
-                difference: Difference::Forward,
-                held: vec![name.clone()],
-                ..FitOptions::default()
-            };
-            fit::fit(self.data, model, &options).ok().map(|f| (f.cost, f.values))
-        });
-        let followed: Vec<(f64, Vec<f64>)> = followed.collect();
-        let best = followed.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a });
-        let known = best.map(|(_, values)| {
-            fit.parameters.iter().zip(values).map(|(p, v)| (p.name.clone(), v)).collect::<Vec<_>>()
-        });
-        known
-            .and_then(|known| self.fitted_near(&candidate, &candidate.effects, &known))
-            .filter(|f| f.fit.cost < candidate.fit.cost)
-            .unwrap_or(candidate)
+        let followed: Vec<(Vec<f64>, f64)> = turned
+            .into_par_iter()
+            .filter_map(|start| self.following(model, start, i, self.options.race_steps))
+            .collect();
+        let best = followed.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
+        best.and_then(|(values, _)| {
+            self.fitted_near(&candidate, &candidate.effects, &candidate.named(&values))
+        })
+        .filter(|f| f.fit.cost < candidate.fit.cost)
+        .unwrap_or(candidate)
     }
 
     /// The candidate, or its fit from a lower place along the strength of an effect: beside a play or a dry friction the
@@ -222,9 +208,7 @@ impl Search<'_> {
             let lowest = (0..costs.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a });
             let straight = lowest.filter(|&i| costs[i] < fit.cost).map(|i| moved[i].clone());
             let Some(start) = straight.or_else(|| self.followed(&candidate, strength)) else { break };
-            let known: Vec<(String, f64)> =
-                fit.parameters.iter().zip(&start).map(|(p, v)| (p.name.clone(), *v)).collect();
-            match self.fitted_near(&candidate, &candidate.effects, &known) {
+            match self.fitted_near(&candidate, &candidate.effects, &candidate.named(&start)) {
                 Some(lower) if lower.fit.cost < (1.0 - BETTER) * candidate.fit.cost => candidate = lower,
                 _ => break,
             }
@@ -235,26 +219,38 @@ impl Search<'_> {
     /// A lower place near the candidate, where each strength was moved a little and all others followed it.
     fn followed(&self, candidate: &Candidate, strength: impl Fn(&usize) -> bool) -> Option<Vec<f64>> {
         let own = candidate.fit.free.iter().copied().filter(strength);
-        let moved: Vec<(usize, f64)> = own.flat_map(|i| NUDGES.map(|ratio| (i, ratio))).collect();
-        let places: Vec<(Vec<f64>, f64)> =
-            moved.into_par_iter().filter_map(|(i, ratio)| self.following(candidate, i, ratio)).collect();
+        let model = candidate.model.as_ref();
+        let nudged = |i: usize, ratio: f64| {
+            let (p, mut values) = (&model.parameters()[i], candidate.fit.values.clone());
+            values[i] = (values[i] * ratio).clamp(p.min, p.max);
+            (i, values)
+        };
+        let moved: Vec<(usize, Vec<f64>)> = own.flat_map(|i| NUDGES.map(|ratio| nudged(i, ratio))).collect();
+        let places: Vec<(Vec<f64>, f64)> = moved
+            .into_par_iter()
+            .filter_map(|(i, start)| self.following(model, start, i, FOLLOWING_STEPS))
+            .collect();
         let lowest = places.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
         lowest.filter(|(_, cost)| *cost < candidate.fit.cost).map(|(values, _)| values)
     }
 
-    /// Values with one parameter moved by a ratio and held there, while the others follow for a few steps, with the cost.
-    fn following(&self, candidate: &Candidate, i: usize, ratio: f64) -> Option<(Vec<f64>, f64)> {
-        let (p, mut start) = (&candidate.model.parameters()[i], candidate.fit.values.clone());
-        start[i] = (start[i] * ratio).clamp(p.min, p.max);
+    /// Values with one parameter held where it starts, while the others follow for a few steps, with the cost.
+    fn following(
+        &self,
+        model: &dyn Model,
+        start: Vec<f64>,
+        held: usize,
+        steps: usize,
+    ) -> Option<(Vec<f64>, f64)> {
         let options = FitOptions {
             start: Some(start),
             starts: 1,
-            max_steps: FOLLOWING_STEPS,
+            max_steps: steps,
             difference: Difference::Forward,
-            held: vec![p.name.clone()],
+            held: vec![model.parameters()[held].name.clone()],
             ..FitOptions::default()
         };
-        fit::fit(self.data, candidate.model.as_ref(), &options).ok().map(|f| (f.values, f.cost))
+        fit::fit(self.data, model, &options).ok().map(|f| (f.values, f.cost))
     }
 
     /// Values with each parameter of the effects moved by some ratios, and their costs; on a bench the others follow
@@ -279,7 +275,7 @@ impl Search<'_> {
                 let cost = self.data.evaluate(model, &moved).map_or(f64::INFINITY, |e| e.cost);
                 return (moved, cost);
             }
-            self.following(candidate, i, moved[i] / fit.values[i]).unwrap_or((moved, f64::INFINITY))
+            self.following(model, moved.clone(), i, FOLLOWING_STEPS).unwrap_or((moved, f64::INFINITY))
         };
         moved.into_par_iter().map(looked_at).collect()
     }

@@ -6,7 +6,7 @@
 //! again nearby.
 
 use super::Candidate;
-use super::screen::screen_starts;
+use super::screen::{combinations, screen_starts};
 use crate::Error;
 use crate::data::{Data, DataRun};
 use crate::fit::{self, Difference, Fit, FitOptions};
@@ -94,10 +94,9 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
     let values = (0..=most).map(|i| peak / (10.0 + COUNTS_APART * f64::from(i)));
     let tried: Vec<Vec<f64>> = values
         .flat_map(|value| {
-            choices(card, rugged).into_iter().map(move |mut v| {
-                v[rugged] = value;
-                v
-            })
+            let mut parameters = card.parameters.clone();
+            (parameters[rugged].value, parameters[rugged].starts) = (value, Vec::new());
+            combinations(&parameters, usize::MAX)
         })
         .collect();
     // What the base parameters can do in its place is left to them, as in all screening: without a count that it has, a
@@ -118,22 +117,6 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
         }
     }
     kept
-}
-
-/// Guess and starts of all parameters but the rugged one, in every combination.
-fn choices(card: &EffectCard, rugged: usize) -> Vec<Vec<f64>> {
-    let mut all: Vec<Vec<f64>> = vec![Vec::new()];
-    for (i, p) in card.parameters.iter().enumerate() {
-        let mut options = vec![p.value];
-        if i != rugged {
-            options.extend(p.starts.iter().filter(|s| **s != p.value));
-        }
-        all = all
-            .iter()
-            .flat_map(|before| options.iter().map(|&o| before.iter().copied().chain([o]).collect()))
-            .collect();
-    }
-    all
 }
 
 /// A record up to a time.
@@ -196,8 +179,7 @@ pub fn tuned(
             let Some(best) = (0..costs.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a }) else {
                 continue;
             };
-            let known: Vec<(String, f64)> =
-                fit.parameters.iter().zip(&moved[best]).map(|(p, v)| (p.name.clone(), *v)).collect();
+            let known = candidate.named(&moved[best]);
             if let Some(better) = fitted(&candidate, &known).filter(|f| f.fit.cost < candidate.fit.cost) {
                 candidate = better;
             }

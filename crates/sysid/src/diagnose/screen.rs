@@ -217,7 +217,7 @@ fn scaled(parameters: &[Parameter], start: &[f64], amplitude: f64) -> Vec<f64> {
 }
 
 /// Every combination of guess and starts of each free parameter, the guesses first, `most` at most.
-fn combinations(parameters: &[Parameter], most: usize) -> Vec<Vec<f64>> {
+pub(super) fn combinations(parameters: &[Parameter], most: usize) -> Vec<Vec<f64>> {
     let mut all: Vec<Vec<f64>> = vec![Vec::new()];
     for p in parameters {
         let mut options = vec![p.value];
