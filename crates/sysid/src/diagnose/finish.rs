@@ -3,7 +3,7 @@
 
 use super::candidate::symbol;
 use super::screen::{LISTED, PHASE, is_amplitude};
-use super::search::{AT_FLOOR, FAR_ABOVE, Search};
+use super::search::{FAR_ABOVE, Search};
 use super::{Candidate, rugged, with_effects};
 use crate::fit::{self, Difference, FitOptions, FittedParameter};
 use rayon::prelude::*;
@@ -70,8 +70,7 @@ impl Search<'_> {
     /// The candidate, or its fit from the base parameters' nominal values if that is better: without an effect a wrong
     /// model may have driven them so far that a search from there comes to rest half way back.
     pub(super) fn returned(&self, candidate: Candidate) -> Candidate {
-        let at_floor = candidate.fit.error() <= AT_FLOOR * self.floor;
-        if at_floor || !self.is_driven(&candidate) {
+        if !self.is_driven(&candidate) || self.is_settled(&candidate) {
             return candidate;
         }
         let known = self.with_nominal_base(candidate.known());
@@ -104,8 +103,8 @@ impl Search<'_> {
     /// one.
     pub(super) fn shaken(&self, mut candidate: Candidate) -> Candidate {
         for _ in 0..VALLEYS {
-            let error = candidate.fit.error();
-            if error <= AT_FLOOR * self.floor || error > self.options.shaken_below * self.floor {
+            let far = candidate.fit.error() > self.options.shaken_below * self.floor;
+            if far || self.is_settled(&candidate) {
                 break;
             }
             let (moved, costs): (Vec<Vec<f64>>, Vec<f64>) = self.shakes(&candidate).into_iter().unzip();
@@ -131,7 +130,7 @@ impl Search<'_> {
     /// The candidate, or its fit from the nearest whole number of periods if that is better: with a number that is a
     /// little off, the wave fits a part of the motion only, and steps down the slope do not cross to the next part.
     pub(super) fn whole(&self, candidate: Candidate) -> Candidate {
-        if candidate.fit.error() <= AT_FLOOR * self.floor {
+        if self.is_settled(&candidate) {
             return candidate;
         }
         let (fit, model) = (&candidate.fit, candidate.model.as_ref());

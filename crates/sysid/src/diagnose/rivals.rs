@@ -50,12 +50,23 @@ impl Search<'_> {
         rivals.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         rivals.truncate(SECOND_CHANCES);
         let near = &self.tried[best];
-        let fitted: Vec<Option<Candidate>> =
-            rivals.par_iter().map(|r| self.fitted_near(near, &r.effects, &r.known)).collect();
+        let fitted: Vec<Option<Candidate>> = rivals.par_iter().map(|r| self.chance(near, r)).collect();
         let kept: Vec<usize> = fitted.into_iter().flatten().map(|candidate| self.keep(candidate)).collect();
         kept.into_iter().fold(best, |best, i| {
             if clearly_better(&self.tried[best], &self.tried[i], self.floor) { i } else { best }
         })
+    }
+
+    /// A rival's fit near the best set; given up after a race if it is hopeless.
+    fn chance(&self, near: &Candidate, rival: &Rival) -> Option<Candidate> {
+        if self.options.secants {
+            return self.fitted_near(near, &rival.effects, &rival.known);
+        }
+        let race = self.options.effort(near, self.options.race_steps);
+        let raced =
+            Candidate::fitted(self.data, self.base, &rival.effects, self.seen, &rival.known, &race).ok()?;
+        let hopeless = self.is_hopeless(&raced, near.fit.error());
+        Some(if hopeless { raced } else { self.finished(raced) })
     }
 
     /// The sets with another effect in the place of one, that lost by more than they should if they were equal.

@@ -62,12 +62,18 @@ pub(super) const AT_FLOOR: f64 = 1.01;
 /// The same on what is left out, where every parameter costs a little.
 const NEAR_FLOOR: f64 = 1.05;
 
+/// Share of what the base model leaves that is not worth a search for a better fit of the same effects.
+const NOTHING_LEFT: f64 = 1e-3;
+
 /// Error as a ratio of the floor beyond which the best set is suspected to be a poor fit before others are put beside it.
 pub(super) const FAR_ABOVE: f64 = 1.2;
 
 /// Mean squared difference of predictions with the search's steps and the model's own, in squared floors, above which
 /// the search's are too coarse.
 const TOO_COARSE: f64 = 0.1;
+
+/// Error as a ratio of the least so far, where that is near the floor, beyond which a set is given up after its race.
+const HOPELESS: f64 = 5.0;
 
 /// How much more of what is unexplained a fit may leave after a race and still be fitted to the end.
 const REACH: f64 = 8.0;
@@ -165,17 +171,7 @@ impl Search<'_> {
     fn refine_steps(&mut self, index: usize) {
         let candidate = &self.tried[index];
         let much_is_left = candidate.fit.error() > FAR_ABOVE * self.floor;
-        if self.options.secants || self.refined || !much_is_left {
-            return;
-        }
-        let Ok(model) = with_effects(self.exact, &candidate.effects, self.seen) else { return };
-        let Ok(exactly) = self.data.evaluate(model.as_ref(), &candidate.fit.values) else { return };
-        let (mut squares, mut rows) = (0.0, 0usize);
-        for (a, b) in exactly.blocks.iter().zip(&candidate.fit.evaluation.blocks) {
-            squares += a.residual.iter().zip(&b.residual).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
-            rows += a.residual.len();
-        }
-        if squares <= TOO_COARSE * self.floor * self.floor * rows as f64 {
+        if !much_is_left || self.step_error(candidate) <= TOO_COARSE * self.floor * self.floor {
             return;
         }
         self.base = self.exact;
@@ -184,6 +180,34 @@ impl Search<'_> {
         if let Some(fitted) = self.fitted_near(candidate, &candidate.effects, &candidate.known()) {
             self.tried[index] = self.shaken(self.descended(fitted));
         }
+    }
+
+    /// Mean squared difference of a candidate's predictions with the search's steps and with the model's own; 0 where
+    /// they are the same steps, or simulations are dear.
+    fn step_error(&self, candidate: &Candidate) -> f64 {
+        if self.options.secants || self.refined {
+            return 0.0;
+        }
+        let exactly = with_effects(self.exact, &candidate.effects, self.seen)
+            .and_then(|model| self.data.evaluate(model.as_ref(), &candidate.fit.values));
+        let Ok(exactly) = exactly else { return 0.0 };
+        let (mut squares, mut rows) = (0.0, 0usize);
+        for (a, b) in exactly.blocks.iter().zip(&candidate.fit.evaluation.blocks) {
+            squares += a.residual.iter().zip(&b.residual).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
+            rows += a.residual.len();
+        }
+        squares / rows.max(1) as f64
+    }
+
+    /// Whether a fit leaves no more than the noise, the error of the search's steps and next to nothing of what the base
+    /// model leaves.
+    pub(super) fn is_settled(&self, candidate: &Candidate) -> bool {
+        let error = candidate.fit.error();
+        let excess = |error: f64| error.powi(2) - self.floor.powi(2);
+        let base = self.tried.first().map_or(0.0, |base| excess(base.fit.error()));
+        error <= AT_FLOOR * self.floor
+            || (error <= NEAR_FLOOR * self.floor
+                && (excess(error) <= NOTHING_LEFT * base || excess(error) <= self.step_error(candidate)))
     }
 
     /// Whether nothing is left to explain.
@@ -331,11 +355,13 @@ impl Search<'_> {
         };
         let reach =
             raced.first().map_or(0.0, |c| noise(c) + REACH * (c.fit.cost - noise(c)).max(0.02 * noise(c)));
+        let leader = raced.first().map_or(f64::INFINITY, |c| c.fit.error());
         let within = |c: &Candidate| !options.secants || c.fit.cost <= reach;
         let finished: Vec<Candidate> = raced
             .into_par_iter()
             .enumerate()
             .map(|(place, c)| match place {
+                _ if self.is_hopeless(&c, leader) => c,
                 // A choice that the base model made far from the truth may be wrong beside an effect.
                 0 => self.with_best_choice(
                     self.shaken(self.whole(self.descended(self.returned(self.finished(c))))),
@@ -349,6 +375,12 @@ impl Search<'_> {
         let first = self.tried.len();
         self.tried.extend(finished);
         (first..self.tried.len()).collect()
+    }
+
+    /// Whether a set is far behind a leader, or the best so far, that leaves next to nothing.
+    pub(super) fn is_hopeless(&self, candidate: &Candidate, leader: f64) -> bool {
+        let least = self.tried.iter().map(|c| c.fit.error()).fold(leader, f64::min);
+        least <= FAR_ABOVE * self.floor && candidate.fit.error() > HOPELESS * least
     }
 
     fn mean_square(&self, index: usize) -> f64 {
