@@ -135,6 +135,29 @@ fn neutral_values_reproduce_the_baseline() {
     }
 }
 
+#[test]
+fn richer_laws_become_the_simpler_ones_that_they_name() {
+    let base = model("thor-linear", benches()[0]);
+    let record = record(noise(400, 2.0, 3), "current_a");
+    let channels = channels(&base);
+    let mut named = 0;
+    for card in base.effects(&seen(&base)) {
+        let Some(law) = &card.becomes else { continue };
+        named += 1;
+        let predicted = |id: &str, own: Vec<f64>| {
+            let with = base.with_effect(id, &seen(&base)).unwrap_or_else(|e| panic!("{e}"));
+            let all: Vec<f64> = values(&base).into_iter().chain(own).collect();
+            with.predict(&all, &record, &channels).expect("finite").outputs
+        };
+        let mut own: Vec<f64> = card.parameters.iter().map(|p| p.value).collect();
+        own[law.departure] = law.like.map_or(0.0, |i| own[i]);
+        let simpler = base.effects(&seen(&base)).into_iter().find(|c| c.id == law.id).expect("a card");
+        let strength = vec![own[0]; simpler.parameters.len()];
+        assert_eq!(predicted(&card.id, own), predicted(law.id, strength), "{}", card.id);
+    }
+    assert_eq!(named, 2);
+}
+
 /// Greatest excess of energy over the motor's work, relative to the greatest energy, at a step.
 fn excess(model: &BenchModel, values: &[f64], command: &[f64], step_s: f64) -> f64 {
     let plant = model.plant(values, "current_a").unwrap_or_else(|e| panic!("{e}"));

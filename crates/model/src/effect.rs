@@ -23,6 +23,19 @@ pub struct EffectCard {
     pub parameters: Vec<Parameter>,
     /// Whether it can only take mechanical energy out or store it.
     pub passive: bool,
+    /// A simpler law that it becomes at certain values of its parameters.
+    pub becomes: Option<SimplerLaw>,
+}
+
+/// A law that another one contains.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimplerLaw {
+    /// The simpler effect's id without a place.
+    pub id: &'static str,
+    /// Place among [`EffectCard::parameters`] of the one that says how far the two laws are apart.
+    pub departure: usize,
+    /// Place of the one that it must equal for the simpler law; 0 is meant if there is none.
+    pub like: Option<usize>,
 }
 
 /// Least, greatest and root-mean-square value of one signal over the runs at hand.

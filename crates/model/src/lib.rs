@@ -17,7 +17,7 @@ mod parameter;
 mod record;
 
 pub use channel::{Unit, UnknownUnit};
-pub use effect::{EffectCard, Excitation, SignalRange};
+pub use effect::{EffectCard, Excitation, SignalRange, SimplerLaw};
 pub use parameter::{Parameter, Scale};
 pub use record::{InputHold, Prediction, Record, Signal, internal};
 

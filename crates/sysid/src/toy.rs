@@ -56,6 +56,7 @@ impl Model for Toy {
             reference: "none".into(),
             parameters: vec![parameter],
             passive: true,
+            becomes: None,
         }]
     }
     fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {

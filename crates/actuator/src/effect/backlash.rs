@@ -31,6 +31,7 @@ impl Effect for Backlash {
             reference: "M. Nordin and P.-O. Gutman 2002, Automatica 38(10)".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

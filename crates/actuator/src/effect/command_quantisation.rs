@@ -32,6 +32,7 @@ impl Effect for CommandQuantisation {
             reference: "Quantisation of digital-to-analogue conversion".to_owned(),
             parameters,
             passive: false,
+            becomes: None,
         }
     }
 

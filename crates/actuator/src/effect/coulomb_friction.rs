@@ -25,6 +25,7 @@ impl Effect for CoulombFriction {
             reference: "C. A. Coulomb 1785; Armstrong-Helouvry et al. 1994, Automatica 30(7)".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

@@ -30,6 +30,7 @@ impl Effect for CurrentSaturation {
             reference: "Dissertation section 4-6-1".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
 use crate::plant::{DryFriction, Plant};
-use sealegs_model::{EffectCard, Parameter};
+use sealegs_model::{EffectCard, Parameter, SimplerLaw};
 
 /// Dry friction that differs between lengthening and shortening.
 #[derive(Debug)]
@@ -28,6 +28,7 @@ impl Effect for DirectionDependentFriction {
             reference: "Armstrong-Helouvry et al. 1994, Automatica 30(7), section 2".to_owned(),
             parameters,
             passive: true,
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None }),
         }
     }
 

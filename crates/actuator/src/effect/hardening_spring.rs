@@ -24,6 +24,7 @@ impl Effect for HardeningSpring {
             reference: "G. Duffing 1918; dissertation sections 4-6-4 and 5-2".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

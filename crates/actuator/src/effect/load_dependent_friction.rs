@@ -28,6 +28,7 @@ impl Effect for LoadDependentFriction {
             reference: "Ball-screw efficiency, e.g. Olaru et al. 2005; dissertation section 3-3-2 (not modelled there)".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

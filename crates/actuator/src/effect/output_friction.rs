@@ -31,6 +31,7 @@ impl Effect for OutputFriction {
             reference: "C. A. Coulomb 1785".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

@@ -34,6 +34,7 @@ impl Effect for PreslidingFriction {
             reference: "P. R. Dahl 1968; Dupont et al. 2002, IEEE Trans. Automatic Control 47(5)".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

@@ -22,6 +22,7 @@ impl Effect for QuadraticDrag {
             reference: "Standard drag law".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

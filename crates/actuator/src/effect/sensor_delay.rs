@@ -20,6 +20,7 @@ impl Effect for SensorDelay {
             reference: "Any bus or logger; dissertation section 2-4-3".to_owned(),
             parameters: vec![setting.delay()],
             passive: true,
+            becomes: None,
         }
     }
 

@@ -28,6 +28,7 @@ impl Effect for SensorLag {
             reference: "Any amplifier with a filter; e.g. load-cell conditioners".to_owned(),
             parameters,
             passive: false,
+            becomes: None,
         }
     }
 

@@ -28,6 +28,7 @@ impl Effect for SeriesComplianceEffect {
             reference: "Dissertation sections 2-5-1 and 5-2; 2771 kN/m follows from equations 2-9 and 2-10".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

@@ -22,6 +22,7 @@ impl Effect for SpringDamping {
             reference: "Dissertation sections 3-3-1 and 5-2".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

@@ -35,6 +35,7 @@ impl Effect for SpringHysteresis {
                 .to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

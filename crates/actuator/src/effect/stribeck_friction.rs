@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
 use crate::plant::{DryFriction, Plant};
-use sealegs_model::EffectCard;
+use sealegs_model::{EffectCard, SimplerLaw};
 
 /// Dry friction that falls from a static to a Coulomb level as speed rises.
 #[derive(Debug)]
@@ -40,6 +40,7 @@ impl Effect for StribeckFriction {
             reference: "R. Stribeck 1902; Armstrong-Helouvry et al. 1994, Automatica 30(7)".to_owned(),
             parameters,
             passive: true,
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: Some(0) }),
         }
     }
 

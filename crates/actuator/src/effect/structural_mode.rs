@@ -31,6 +31,7 @@ impl Effect for StructuralMode {
             reference: "Dissertation section 3-4-2: the unexplained resonance at 80 Hz, attributed to a ball-screw mode".to_owned(),
             parameters,
             passive: false,
+            becomes: None,
         }
     }
 

@@ -32,6 +32,7 @@ impl Effect for TorqueRipple {
             reference: "D. Hanselman, Brushless Permanent-Magnet Motor Design, chapter on cogging".to_owned(),
             parameters,
             passive: false,
+            becomes: None,
         }
     }
 

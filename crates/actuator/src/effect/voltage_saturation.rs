@@ -41,6 +41,7 @@ impl Effect for VoltageSaturation {
                 .to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

@@ -36,6 +36,7 @@ impl Effect for WobblingMassEffect {
             reference: "Dissertation section 5-2 (wobbling masses)".to_owned(),
             parameters,
             passive: true,
+            becomes: None,
         }
     }
 

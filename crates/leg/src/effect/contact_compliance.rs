@@ -37,6 +37,7 @@ impl LegEffect for ContactCompliance {
                 with_neutral(with_starts(change, [0.5]), 0.0),
             ],
             passive: true,
+            becomes: None,
         }
     }
 

@@ -29,6 +29,7 @@ impl LegEffect for GroundFriction {
             reference: "C. A. Coulomb 1785".to_owned(),
             parameters: vec![with_neutral(with_starts(change, [-0.85 * own, 0.2]), 0.0)],
             passive: true,
+            becomes: None,
         }
     }
 

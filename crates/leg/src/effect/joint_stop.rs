@@ -46,6 +46,7 @@ impl LegEffect for JointStop {
                 with_neutral(magnitude("damping_ratio", "", 1.0, 1e-2, 100.0), 1.0),
             ],
             passive: true,
+            becomes: None,
         }
     }
 

@@ -47,6 +47,7 @@ impl LegEffect for LinkMass {
                 with_starts(shift("shift_z_m"), [0.05]),
             ],
             passive: true,
+            becomes: None,
         }
     }
 

@@ -32,6 +32,7 @@ impl LegEffect for OutputFriction {
             reference: "C. A. Coulomb 1785; dissertation section 3-4-5".to_owned(),
             parameters: vec![with_starts(torque, [5.0])],
             passive: true,
+            becomes: None,
         }
     }
 

@@ -55,6 +55,7 @@ impl LegEffect for SpringSetting {
             reference: "Dissertation sections 2-4 and 2-5: settings of the beams".to_owned(),
             parameters: vec![with_neutral(with_starts(ratio, rest.iter().copied()), 1.0)],
             passive: true,
+            becomes: None,
         }
     }
 

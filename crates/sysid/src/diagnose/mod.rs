@@ -12,6 +12,7 @@ mod compare;
 mod excitations;
 mod experiment;
 mod finish;
+mod nested;
 mod rig;
 mod rivals;
 mod rugged;

@@ -500,7 +500,7 @@ impl Search<'_> {
     }
 
     /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are
-    /// its ties. A set that holds the chosen one and something beside it is no tie.
+    /// its ties. A set that holds the chosen one and something beside it is no tie, nor one that is it by another name.
     fn ties(&self, best: usize) -> (usize, Vec<usize>) {
         let size = self.tried[best].effects.len();
         let mut equal: Vec<usize> = (0..self.tried.len())
@@ -521,6 +521,7 @@ impl Search<'_> {
             .skip(1)
             .filter(|&i| own.is_empty() || self.tried[i].effects.len() <= own.len())
             .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
+            .filter(|&i| !self.is_the_same(&self.tried[chosen], &self.tried[i]))
             .collect();
         (chosen, tied)
     }

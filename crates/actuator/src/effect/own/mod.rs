@@ -359,6 +359,7 @@ impl Effect for OwnEffect {
             reference: self.origin.clone(),
             parameters: self.parameters.clone(),
             passive: false,
+            becomes: None,
         }
     }
 

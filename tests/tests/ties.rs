@@ -1,0 +1,99 @@
+//! When a richer law is a tie of a simpler one: only where the data leave open what it adds.
+
+use sealegs_actuator::ActuatorSpec;
+use sealegs_actuator::bench::Bench;
+use sealegs_actuator::excitation::Profile;
+use sealegs_cli::bench_model;
+use sealegs_reference::Reference;
+use sealegs_sysid::{Campaign, diagnose};
+use std::fmt::Write as _;
+use std::path::Path;
+
+const PERIOD_S: f64 = 1e-3;
+const FORCE_NOISE_N: f64 = 2.0;
+const ANGLE_NOISE_RAD: f64 = 4.43e-4;
+
+/// Writes a campaign on the locked bench whose actuator has 30 N of Coulomb friction, from currents in A; a load cell
+/// and, if it has one, an encoder at the rotor are logged.
+fn write(folder: &Path, encoder: bool, runs: &[(&str, Vec<f64>)]) {
+    let spec = ActuatorSpec::preset("thor-linear").unwrap();
+    let truth = Reference::of(&spec, Bench::Locked, "current_a").with("coulomb-friction", &[30.0]);
+    let mut campaign = format!(
+        "name = \"ties\"\nbench = \"locked\"\nactuator = \"thor-linear\"\nsample_rate_hz = 1000.0\n\n[noise_std]\n\
+         force_1_n = {FORCE_NOISE_N}\n"
+    );
+    if encoder {
+        writeln!(campaign, "motor_angle_rad = {ANGLE_NOISE_RAD}").unwrap();
+    }
+    for (seed, (role, command)) in (1..).zip(runs) {
+        let out = truth.run(PERIOD_S, command, 100);
+        let time_s: Vec<f64> = (0..command.len()).map(|n| n as f64 * PERIOD_S).collect();
+        // Nearly white: what is noise lies within the whole band of the samples.
+        let noise = |seed| Profile::Noise { rms: 1.0, bandwidth_hz: 500.0, seed }.sample(&time_s);
+        let (of_force, of_angle) = (noise(seed), noise(100 + seed));
+        let mut csv = String::from("time_s,current_a,force_1_n");
+        csv.push_str(if encoder { ",motor_angle_rad\n" } else { "\n" });
+        for (n, t) in time_s.iter().enumerate() {
+            let force = out.force_1[n] + FORCE_NOISE_N * of_force[n];
+            let angle = out.extension[n] / truth.travel_per_rad + ANGLE_NOISE_RAD * of_angle[n];
+            write!(csv, "{t:.4},{:.6},{force:.3}", command[n]).unwrap();
+            if encoder {
+                write!(csv, ",{angle:.7}").unwrap();
+            }
+            csv.push('\n');
+        }
+        std::fs::write(folder.join(format!("run_{seed}.csv")), csv).unwrap();
+        write!(campaign, "\n[[run]]\nfile = \"run_{seed}.csv\"\nrole = \"{role}\"\n").unwrap();
+    }
+    std::fs::write(folder.join("campaign.toml"), campaign).unwrap();
+}
+
+/// What is named and what is called indistinguishable from it.
+fn diagnosed(encoder: bool, runs: &[(&str, Vec<f64>)]) -> (Vec<String>, Vec<Vec<String>>) {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), encoder, runs);
+    let mut campaign = Campaign::read(folder.path()).unwrap();
+    let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
+    let options = diagnose::Options::of(&model);
+    let verdict = diagnose::diagnose(&campaign, &model, &options, &|_| ()).unwrap().verdict;
+    (verdict.effects, verdict.indistinguishable)
+}
+
+fn sampled(profile: &Profile, duration_s: f64) -> Vec<f64> {
+    let samples = (duration_s / PERIOD_S) as usize;
+    profile.sample(&(0..samples).map(|n| n as f64 * PERIOD_S).collect::<Vec<f64>>())
+}
+
+fn sine(amplitude: f64, frequency_hz: f64) -> Vec<f64> {
+    sampled(&Profile::Sine { amplitude, frequency_hz, phase_rad: 0.0 }, 3.0)
+}
+
+fn one(id: &str) -> Vec<String> {
+    vec![id.to_owned()]
+}
+
+#[test]
+fn coulomb_and_stribeck_friction_are_tied_where_speed_never_falls_low() {
+    // Driven hard the rotor turns round at once, and what a static level does in that moment is lost in the load cell's
+    // noise.
+    let runs = [("fit", sine(4.0, 12.0)), ("fit", sine(3.5, 17.0)), ("holdout", sine(3.8, 14.0))];
+    let (named, tied) = diagnosed(false, &runs);
+    let all: Vec<&Vec<String>> = tied.iter().chain([&named]).collect();
+    for id in ["coulomb-friction", "stribeck-friction"] {
+        assert!(all.contains(&&one(id)), "{id} neither named nor tied: {named:?} {tied:?}");
+    }
+}
+
+#[test]
+fn a_law_that_is_fitted_as_coulomb_friction_is_no_tie_of_it() {
+    let steps = |amplitude: f64| {
+        let noise = Profile::Noise { rms: amplitude, bandwidth_hz: 3.0, seed: amplitude.to_bits() };
+        sampled(&noise, 3.0)
+    };
+    let runs = [("fit", steps(0.8)), ("fit", sine(1.0, 4.0)), ("holdout", steps(0.7))];
+    let (named, tied) = diagnosed(true, &runs);
+    assert_eq!(named, one("coulomb-friction"));
+    for id in ["stribeck-friction", "direction-dependent-friction"] {
+        assert!(!tied.contains(&one(id)), "{tied:?}");
+    }
+}
