@@ -59,13 +59,15 @@ pub struct Data<'a> {
     pub channels: Vec<Channel>,
     /// The runs.
     pub runs: Vec<DataRun<'a>>,
+    /// The campaign's noise floor (see [`Campaign::noise_floor`]).
+    pub floor: f64,
     simulations: AtomicU64,
     simulated_ms: AtomicU64,
 }
 
 impl Clone for Data<'_> {
     fn clone(&self) -> Self {
-        Self::from_parts(self.channels.clone(), self.runs.clone())
+        Self::from_parts(self.channels.clone(), self.runs.clone(), self.floor)
     }
 }
 
@@ -143,13 +145,13 @@ impl<'a> Data<'a> {
                 measured: outputs.iter().map(|s| s.values.as_slice()).collect(),
             });
         }
-        Ok(Self::from_parts(channels, runs))
+        Ok(Self::from_parts(channels, runs, campaign.noise_floor()))
     }
 
-    /// Data of these channels and runs.
+    /// Data of these channels and runs with a noise floor.
     #[must_use]
-    pub fn from_parts(channels: Vec<Channel>, runs: Vec<DataRun<'a>>) -> Self {
-        Self { channels, runs, simulations: AtomicU64::new(0), simulated_ms: AtomicU64::new(0) }
+    pub fn from_parts(channels: Vec<Channel>, runs: Vec<DataRun<'a>>, floor: f64) -> Self {
+        Self { channels, runs, floor, simulations: AtomicU64::new(0), simulated_ms: AtomicU64::new(0) }
     }
 
     /// The same with other rows counted, run by run: for cross-validation inside the runs.

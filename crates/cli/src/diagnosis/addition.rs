@@ -82,7 +82,7 @@ impl Added {
         Summary {
             campaign: campaign.name.clone(),
             effects: self.effects.clone(),
-            noise_floor: sealegs_sysid::diagnose::noise_floor(campaign),
+            noise_floor: campaign.noise_floor(),
             base: SideOfAdd::of(&self.before, self.before_holdout.as_ref()),
             after: SideOfAdd::of(&self.after, self.after_holdout.as_ref()),
             provenance,

@@ -151,7 +151,7 @@ fn named(asked: &[String]) -> anyhow::Result<(Vec<String>, Vec<PathBuf>)> {
 fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcome {
     let base = Added::side(&added.before, added.before_holdout.as_ref());
     let after = Added::side(&added.after, added.after_holdout.as_ref());
-    let floor = sealegs_sysid::diagnose::noise_floor(campaign);
+    let floor = campaign.noise_floor();
     let excess = |error: f64| (error * error - floor * floor).max(0.0);
     let share = if excess(base.holdout_error) > 0.0 {
         (excess(after.holdout_error) / excess(base.holdout_error)).min(1.0)

@@ -2,7 +2,6 @@
 
 use crate::campaign_model;
 use crate::comparison;
-use crate::diagnosis::floor;
 use crate::diagnosis::provenance::Provenance;
 use crate::failure::OrBadInput;
 use crate::output::Destination;
@@ -49,7 +48,7 @@ pub fn run(arguments: &Compare) -> anyhow::Result<u8> {
     let report = Destination::optional(arguments.report.as_ref())?;
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
 
-    let level = floor(&campaign, model.as_ref());
+    let level = campaign.noise_floor();
     let compared = comparison::compare(&campaign, model.as_ref(), level, arguments.as_is)?;
     let took = started.elapsed();
 

@@ -19,8 +19,8 @@ mod table;
 pub use clock::{Clock, Gap};
 pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
 
-use crate::Error;
 use crate::nuisance::SensorPrior;
+use crate::{Error, stats};
 use rayon::prelude::*;
 use sealegs_model::{Model, Record, Signal};
 use std::ops::Range;
@@ -135,6 +135,18 @@ pub struct Campaign {
 }
 
 impl Campaign {
+    /// The noise floor in noise units: what repeats of a run leave between them where there are any, and not less than
+    /// 1, the stated noise.
+    #[must_use]
+    pub fn noise_floor(&self) -> f64 {
+        let squares: Vec<f64> = self
+            .repeats
+            .iter()
+            .filter_map(|pair| Some((pair.deviation / self.noise_std(&pair.channel)?.std).powi(2)))
+            .collect();
+        if squares.is_empty() { 1.0 } else { stats::mean(&squares).sqrt().max(1.0) }
+    }
+
     /// Reads the campaign in a folder, or by its `campaign.toml`.
     ///
     /// # Errors

@@ -103,7 +103,7 @@ impl Search<'_> {
     /// one.
     pub(super) fn shaken(&self, mut candidate: Candidate) -> Candidate {
         for _ in 0..VALLEYS {
-            let far = candidate.fit.error() > self.options.shaken_below * self.floor;
+            let far = candidate.fit.error() > self.options.shaken_below * self.data.floor;
             if far || self.is_settled(&candidate) {
                 break;
             }
@@ -175,7 +175,7 @@ impl Search<'_> {
     /// simulations are cheap, and much is left.
     pub(super) fn descended(&self, mut candidate: Candidate) -> Candidate {
         for _ in 0..DESCENTS {
-            if self.options.secants || candidate.fit.error() <= FAR_ABOVE * self.floor {
+            if self.options.secants || candidate.fit.error() <= FAR_ABOVE * self.data.floor {
                 break;
             }
             let (fit, model) = (&candidate.fit, candidate.model.as_ref());

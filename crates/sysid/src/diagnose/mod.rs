@@ -4,7 +4,8 @@
 //! The walk: the base model is refitted first ([`crate::fit`]), so that a wrong value is never taken for a
 //! missing effect. Effects are screened beside it ([`screen`]), the promising ones fitted together with
 //! the base parameters ([`Candidate`]), sets grown, pruned and compared ([`Found`]); the verdict follows
-//! from the holdout runs ([`Verdict`]), which nothing before it has looked at.
+//! from the holdout runs ([`Verdict`]). Nothing before it looks at them, except where the fit runs leave several sets open:
+//! then the holdout runs decide between these.
 
 mod adapt;
 mod candidate;
@@ -32,7 +33,7 @@ pub use verdict::{Judged, Verdict, VerdictKind};
 
 use crate::data::Data;
 use crate::fit::FitOptions;
-use crate::{Campaign, Error, Role, fit, stats};
+use crate::{Campaign, Error, Role, fit};
 use sealegs_model::{Excitation, Model};
 
 /// How thorough a diagnosis is.
@@ -70,8 +71,6 @@ pub struct Options {
     pub beam_first: usize,
     /// Sets that further sizes grow from.
     pub beam: usize,
-    /// Noise floor in noise units in place of the campaign's own (see [`noise_floor`]).
-    pub floor: Option<f64>,
 }
 
 impl Default for Options {
@@ -92,7 +91,6 @@ impl Default for Options {
             finishers: 5,
             beam_first: 4,
             beam: 2,
-            floor: None,
         }
     }
 }
@@ -167,18 +165,6 @@ pub struct Diagnosis {
     pub simulated_s: f64,
 }
 
-/// The noise floor of a campaign in noise units: what repeats of a run leave between them where there are
-/// any, and not less than 1, the stated noise.
-#[must_use]
-pub fn noise_floor(campaign: &Campaign) -> f64 {
-    let squares: Vec<f64> = campaign
-        .repeats
-        .iter()
-        .filter_map(|pair| Some((pair.deviation / campaign.noise_std(&pair.channel)?.std).powi(2)))
-        .collect();
-    if squares.is_empty() { 1.0 } else { stats::mean(&squares).sqrt().max(1.0) }
-}
-
 /// Error as a ratio of the floor beyond which a base model with many parameters is suspected to have been bent by the
 /// fit as far as it goes, and effects are screened beside its nominal values, too.
 const BENT: f64 = 3.0;
@@ -204,13 +190,12 @@ pub fn diagnose(
     let base_fit = fit::fit(&data, coarse.as_ref(), &FitOptions::of(base))?;
     let seen = data.excitation(&base_fit.evaluation.predictions);
     let admitted: Vec<String> = base.effects(&seen).into_iter().map(|c| c.id).collect();
-    let floor = options.floor.unwrap_or_else(|| noise_floor(campaign));
     let mut first = Candidate::of_base(&data, coarse.as_ref(), base_fit);
     // Where the search's steps are the model's own there is nothing to polish.
     first.exact = data.predict(base, &first.fit.values).is_ok_and(|p| p == first.fit.evaluation.predictions);
     let nominal: Vec<f64> = base.parameters().iter().map(|p| p.value).collect();
     let at_nominal = || fit::at_values(&data, coarse.as_ref(), &nominal, fit::Difference::Forward).ok();
-    let bent = options.secants && first.fit.error() > BENT * floor;
+    let bent = options.secants && first.fit.error() > BENT * data.floor;
     let nominal = bent.then(at_nominal).flatten();
     let search = search::Search {
         data: &data,
@@ -221,14 +206,13 @@ pub fn diagnose(
         seen: &seen,
         admitted,
         options,
-        floor,
         tried: vec![first],
         screened: Vec::new(),
         progress,
     };
-    let found = search.run();
+    let found = search.run(&holdout);
     progress(Progress::Judging);
-    let verdict = verdict::judge(&holdout, &found, floor)?;
+    let verdict = verdict::judge(&holdout, &found)?;
     let (a, b) = (data.work(), holdout.work());
     Ok(Diagnosis { verdict, found, seen, simulations: a.0 + b.0, simulated_s: a.1 + b.1 })
 }

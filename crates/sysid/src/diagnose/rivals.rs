@@ -53,7 +53,7 @@ impl Search<'_> {
         let fitted: Vec<Option<Candidate>> = rivals.par_iter().map(|r| self.chance(near, r)).collect();
         let kept: Vec<usize> = fitted.into_iter().flatten().map(|candidate| self.keep(candidate)).collect();
         kept.into_iter().fold(best, |best, i| {
-            if clearly_better(&self.tried[best], &self.tried[i], self.floor) { i } else { best }
+            if clearly_better(&self.tried[best], &self.tried[i], self.data.floor) { i } else { best }
         })
     }
 

@@ -87,7 +87,7 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
     let run = &data.runs[worst];
     let first = run.rows().next().unwrap_or(0);
     let record = head(run.record, run.record.time_s.get(first).copied().unwrap_or(0.0) + EXCERPT_S);
-    let excerpt = Data::from_parts(data.channels.clone(), vec![cut(run, &record)]);
+    let excerpt = Data::from_parts(data.channels.clone(), vec![cut(run, &record)], data.floor);
     // The card's greatest value is a tenth of the greatest command.
     let peak = 10.0 * card.parameters[rugged].max;
     let most = ((MOST_COUNTS - 10.0) / COUNTS_APART) as i32;

@@ -17,7 +17,7 @@ pub struct Found {
     pub tried: Vec<Candidate>,
     /// Index of the chosen one in `tried`.
     pub chosen: usize,
-    /// Indices of sets of no more effects that these data cannot tell from the chosen one.
+    /// Indices of sets of no more effects that neither the fit runs nor the holdout runs tell from the chosen one.
     pub tied: Vec<usize>,
     /// What screening promised of each effect beside the base model.
     pub promises: Vec<Promise>,
@@ -42,7 +42,6 @@ pub(super) struct Search<'a> {
     /// Effects to choose from, in the catalogue's order.
     pub admitted: Vec<String>,
     pub options: &'a Options,
-    pub floor: f64,
     pub tried: Vec<Candidate>,
     /// What screening found beside which of `tried`.
     pub screened: Vec<(usize, Vec<Promise>)>,
@@ -81,6 +80,9 @@ const REACH: f64 = 8.0;
 /// Cost as a ratio of the chosen set's above which a set is no tie, whatever is foreseen of stretches left out.
 const TIED_COST: f64 = 1.1;
 
+/// Ratio of errors on holdout runs up to which these do not decide between sets that the fit runs leave open.
+const HELD_OUT_ALIKE: f64 = 1.1;
+
 /// A set to be fitted, and where from.
 struct Plan {
     effects: Vec<String>,
@@ -95,8 +97,9 @@ struct Plan {
 const NOMINAL: usize = usize::MAX;
 
 impl Search<'_> {
-    /// Grows, prunes and compares, from the fitted base model (`tried[0]`).
-    pub fn run(mut self) -> Found {
+    /// Grows, prunes and compares, from the fitted base model (`tried[0]`); the holdout runs decide between sets that the
+    /// fit runs leave open.
+    pub fn run(mut self, holdout: &Data) -> Found {
         let mut promises = Vec::new();
         let mut best = 0;
         let mut frontier = vec![0];
@@ -117,7 +120,7 @@ impl Search<'_> {
             let most = match size {
                 1 => self.options.shortlist,
                 // What little is left is worth no long search.
-                _ if self.tried[best].fit.error() <= NEAR_FLOOR * self.floor => {
+                _ if self.tried[best].fit.error() <= NEAR_FLOOR * self.data.floor => {
                     self.options.shortlist_later.div_ceil(2)
                 }
                 _ => self.options.shortlist_later,
@@ -127,7 +130,7 @@ impl Search<'_> {
                 break;
             }
             let best_here = self.best_of(&fitted);
-            if clearly_better(&self.tried[best], &self.tried[best_here], self.floor) {
+            if clearly_better(&self.tried[best], &self.tried[best_here], self.data.floor) {
                 best = best_here;
             } else if size > 1 {
                 // Two effects may help only together: a second size is always tried, a third only if the
@@ -136,7 +139,7 @@ impl Search<'_> {
             }
             // A law that came to rest half way is found before others are put beside it.
             self.refine_steps(best);
-            if self.tried[best].fit.error() > FAR_ABOVE * self.floor {
+            if self.tried[best].fit.error() > FAR_ABOVE * self.data.floor {
                 let better = self.second_chances(best);
                 if better != best {
                     fitted.push(better);
@@ -155,6 +158,7 @@ impl Search<'_> {
         }
         best = self.second_chances(best);
         let (chosen, tied) = self.ties(best);
+        let (chosen, tied) = self.standing(holdout, chosen, tied);
         let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
         self.tried[chosen] = settled;
         let base_as_searched = self.tried[0].validation.clone();
@@ -170,8 +174,8 @@ impl Search<'_> {
     /// error that they leave would be explained by further effects.
     fn refine_steps(&mut self, index: usize) {
         let candidate = &self.tried[index];
-        let much_is_left = candidate.fit.error() > FAR_ABOVE * self.floor;
-        if !much_is_left || self.step_error(candidate) <= TOO_COARSE * self.floor * self.floor {
+        let much_is_left = candidate.fit.error() > FAR_ABOVE * self.data.floor;
+        if !much_is_left || self.step_error(candidate) <= TOO_COARSE * self.data.floor * self.data.floor {
             return;
         }
         self.base = self.exact;
@@ -203,17 +207,18 @@ impl Search<'_> {
     /// model leaves.
     pub(super) fn is_settled(&self, candidate: &Candidate) -> bool {
         let error = candidate.fit.error();
-        let excess = |error: f64| error.powi(2) - self.floor.powi(2);
+        let excess = |error: f64| error.powi(2) - self.data.floor.powi(2);
         let base = self.tried.first().map_or(0.0, |base| excess(base.fit.error()));
-        error <= AT_FLOOR * self.floor
-            || (error <= NEAR_FLOOR * self.floor
+        error <= AT_FLOOR * self.data.floor
+            || (error <= NEAR_FLOOR * self.data.floor
                 && (excess(error) <= NOTHING_LEFT * base || excess(error) <= self.step_error(candidate)))
     }
 
     /// Whether nothing is left to explain.
     pub(super) fn at_floor(&self, index: usize) -> bool {
         let left_out = self.tried[index].validation.mean_square().sqrt();
-        self.tried[index].fit.error() <= AT_FLOOR * self.floor && left_out <= NEAR_FLOOR * self.floor
+        self.tried[index].fit.error() <= AT_FLOOR * self.data.floor
+            && left_out <= NEAR_FLOOR * self.data.floor
     }
 
     pub(super) fn screen_beside(&mut self, from: usize, size: usize) -> Vec<Promise> {
@@ -260,8 +265,8 @@ impl Search<'_> {
     fn plans(&self, from: usize, promise: &Promise) -> Vec<Plan> {
         let beside = self.parent(from);
         // Near the floor little can be gained, and what promises less than it would have to bring is not worth a fit.
-        let near_floor = beside.fit.error() <= NEAR_FLOOR * self.floor;
-        let least = if near_floor { 0.5 * worth(beside, self.floor) } else { 0.0 };
+        let near_floor = beside.fit.error() <= NEAR_FLOOR * self.data.floor;
+        let least = if near_floor { 0.5 * worth(beside, self.data.floor) } else { 0.0 };
         if promise.drop <= least {
             return Vec::new();
         }
@@ -351,7 +356,7 @@ impl Search<'_> {
         // Those that lead after a few steps are fitted to the end; of a model whose fits are dear, those within reach.
         let noise = |c: &Candidate| {
             let residuals: usize = c.fit.evaluation.blocks.iter().map(|b| b.residual.len()).sum();
-            0.5 * self.floor * self.floor * residuals as f64
+            0.5 * self.data.floor * self.data.floor * residuals as f64
         };
         let reach =
             raced.first().map_or(0.0, |c| noise(c) + REACH * (c.fit.cost - noise(c)).max(0.02 * noise(c)));
@@ -380,7 +385,7 @@ impl Search<'_> {
     /// Whether a set is far behind a leader, or the best so far, that leaves next to nothing.
     pub(super) fn is_hopeless(&self, candidate: &Candidate, leader: f64) -> bool {
         let least = self.tried.iter().map(|c| c.fit.error()).fold(leader, f64::min);
-        least <= FAR_ABOVE * self.floor && candidate.fit.error() > HOPELESS * least
+        least <= FAR_ABOVE * self.data.floor && candidate.fit.error() > HOPELESS * least
     }
 
     fn mean_square(&self, index: usize) -> f64 {
@@ -400,7 +405,7 @@ impl Search<'_> {
         fitted.sort_by(|&a, &b| self.mean_square(a).total_cmp(&self.mean_square(b)));
         fitted.truncate(if size == 1 { self.options.beam_first } else { self.options.beam });
         // Where one set explains nearly everything, growing from sets that do not is a waste.
-        let excess = |i: usize| (self.mean_square(i) - self.floor * self.floor).max(0.0);
+        let excess = |i: usize| (self.mean_square(i) - self.data.floor * self.data.floor).max(0.0);
         if let Some(&best) = fitted.first() {
             let near = (10.0 * excess(best)).max(0.02 * excess(0));
             fitted.retain(|&i| i == best || excess(i) <= near || excess(best) > 0.1 * excess(0));
@@ -464,7 +469,7 @@ impl Search<'_> {
             }
             let next = without
                 .into_iter()
-                .filter(|&i| !clearly_better(&self.tried[i], &self.tried[best], self.floor))
+                .filter(|&i| !clearly_better(&self.tried[i], &self.tried[best], self.data.floor))
                 .reduce(|a, b| if self.mean_square(b) < self.mean_square(a) { b } else { a });
             match next {
                 Some(i) => best = i,
@@ -505,7 +510,7 @@ impl Search<'_> {
         let size = self.tried[best].effects.len();
         let mut equal: Vec<usize> = (0..self.tried.len())
             .filter(|&i| i == best || self.tried[i].effects.len() <= size)
-            .filter(|&i| i == best || !clearly_better(&self.tried[i], &self.tried[best], self.floor))
+            .filter(|&i| i == best || !clearly_better(&self.tried[i], &self.tried[best], self.data.floor))
             .collect();
         let order = |i: usize| {
             let t = &self.tried[i];
@@ -524,5 +529,27 @@ impl Search<'_> {
             .filter(|&i| !self.is_the_same(&self.tried[chosen], &self.tried[i]))
             .collect();
         (chosen, tied)
+    }
+
+    /// Of sets that the fit runs cannot tell apart, those that the holdout runs do not tell apart either: the chosen one
+    /// first if it is among them, else the one that foresees best.
+    fn standing(&self, holdout: &Data, chosen: usize, tied: Vec<usize>) -> (usize, Vec<usize>) {
+        if tied.is_empty() {
+            return (chosen, tied);
+        }
+        let error = |&i: &usize| {
+            let c = &self.tried[i];
+            holdout
+                .judge(c.model.as_ref(), &c.fit.values, c.fit.sensors())
+                .map_or(f64::INFINITY, |evaluation| evaluation.rms)
+        };
+        let all: Vec<usize> = [chosen].into_iter().chain(tied).collect();
+        let errors: Vec<f64> = all.par_iter().map(error).collect();
+        let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = (HELD_OUT_ALIKE * least).max(NEAR_FLOOR * holdout.floor);
+        let best = if errors[0] <= most { Some(0) } else { errors.iter().position(|e| *e == least) };
+        let best = best.unwrap_or(0);
+        let others = (0..all.len()).filter(|&k| k != best && errors[k] <= most).map(|k| all[k]).collect();
+        (all[best], others)
     }
 }

@@ -93,7 +93,8 @@ pub struct Verdict {
 const RANKED: usize = 16;
 
 /// Judges what was found on the holdout runs, once.
-pub(super) fn judge(holdout: &Data, found: &Found, floor: f64) -> Result<Verdict, Error> {
+pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
+    let floor = holdout.floor;
     let base = &found.tried[0];
     let evaluate = |c: &Candidate| holdout.judge(c.model.as_ref(), &c.fit.values, c.fit.sensors());
     let judged = |index: usize, evaluation: &Evaluation| {

@@ -1,4 +1,5 @@
-//! When a richer law is a tie of a simpler one: only where the data leave open what it adds.
+//! What a verdict names and calls indistinguishable: richer laws only where the data leave open what they add, and what
+//! one moment alone has felt where it explains all of it.
 
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::Bench;
@@ -13,13 +14,16 @@ const PERIOD_S: f64 = 1e-3;
 const FORCE_NOISE_N: f64 = 2.0;
 const ANGLE_NOISE_RAD: f64 = 4.43e-4;
 
-/// Writes a campaign on the locked bench whose actuator has 30 N of Coulomb friction, from currents in A; a load cell
-/// and, if it has one, an encoder at the rotor are logged.
-fn write(folder: &Path, encoder: bool, runs: &[(&str, Vec<f64>)]) {
+/// A hidden effect with its values, N.
+const COULOMB: (&str, &[f64]) = ("coulomb-friction", &[30.0]);
+
+/// Writes a campaign on the locked bench with a hidden effect, from currents in A; a load cell and, if it has one, an
+/// encoder at the rotor are logged.
+fn write(folder: &Path, (hidden, values): (&str, &[f64]), encoder: bool, runs: &[(&str, Vec<f64>)]) {
     let spec = ActuatorSpec::preset("thor-linear").unwrap();
-    let truth = Reference::of(&spec, Bench::Locked, "current_a").with("coulomb-friction", &[30.0]);
+    let truth = Reference::of(&spec, Bench::Locked, "current_a").with(hidden, values);
     let mut campaign = format!(
-        "name = \"ties\"\nbench = \"locked\"\nactuator = \"thor-linear\"\nsample_rate_hz = 1000.0\n\n[noise_std]\n\
+        "name = \"hidden\"\nbench = \"locked\"\nactuator = \"thor-linear\"\nsample_rate_hz = 1000.0\n\n[noise_std]\n\
          force_1_n = {FORCE_NOISE_N}\n"
     );
     if encoder {
@@ -49,9 +53,13 @@ fn write(folder: &Path, encoder: bool, runs: &[(&str, Vec<f64>)]) {
 }
 
 /// What is named and what is called indistinguishable from it.
-fn diagnosed(encoder: bool, runs: &[(&str, Vec<f64>)]) -> (Vec<String>, Vec<Vec<String>>) {
+fn diagnosed(
+    hidden: (&str, &[f64]),
+    encoder: bool,
+    runs: &[(&str, Vec<f64>)],
+) -> (Vec<String>, Vec<Vec<String>>) {
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), encoder, runs);
+    write(folder.path(), hidden, encoder, runs);
     let mut campaign = Campaign::read(folder.path()).unwrap();
     let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
     let options = diagnose::Options::of(&model);
@@ -77,7 +85,7 @@ fn coulomb_and_stribeck_friction_are_tied_where_speed_never_falls_low() {
     // Driven hard the rotor turns round at once, and what a static level does in that moment is lost in the load cell's
     // noise.
     let runs = [("fit", sine(4.0, 12.0)), ("fit", sine(3.5, 17.0)), ("holdout", sine(3.8, 14.0))];
-    let (named, tied) = diagnosed(false, &runs);
+    let (named, tied) = diagnosed(COULOMB, false, &runs);
     let all: Vec<&Vec<String>> = tied.iter().chain([&named]).collect();
     for id in ["coulomb-friction", "stribeck-friction"] {
         assert!(all.contains(&&one(id)), "{id} neither named nor tied: {named:?} {tied:?}");
@@ -91,9 +99,23 @@ fn a_law_that_is_fitted_as_coulomb_friction_is_no_tie_of_it() {
         sampled(&noise, 3.0)
     };
     let runs = [("fit", steps(0.8)), ("fit", sine(1.0, 4.0)), ("holdout", steps(0.7))];
-    let (named, tied) = diagnosed(true, &runs);
+    let (named, tied) = diagnosed(COULOMB, true, &runs);
     assert_eq!(named, one("coulomb-friction"));
     for id in ["stribeck-friction", "direction-dependent-friction"] {
         assert!(!tied.contains(&one(id)), "{tied:?}");
     }
+}
+
+#[test]
+fn a_limit_that_one_moment_alone_has_felt_is_named_where_it_explains_everything() {
+    let limited = ("current-saturation", &[4.0][..]);
+    let noise = |seed| sampled(&Profile::Noise { rms: 1.0, bandwidth_hz: 10.0, seed }, 3.0);
+    let with_a_pulse = |seed| {
+        let mut command = noise(seed);
+        command[1400..1500].fill(5.0);
+        command
+    };
+    let runs = [("fit", noise(1)), ("fit", with_a_pulse(2)), ("holdout", with_a_pulse(3))];
+    let (named, tied) = diagnosed(limited, true, &runs);
+    assert_eq!(named, one("current-saturation"), "{tied:?}");
 }
