@@ -4,7 +4,7 @@ use super::Candidate;
 
 /// Least gain in the mean squared residual, in squared noise units, that is worth an effect: less is within
 /// what two integrators of the same physics differ by.
-const WORTH_SQUARED_NOISE: f64 = 0.006;
+pub(super) const WORTH_SQUARED_NOISE: f64 = 0.006;
 
 /// Least share of what is still unexplained that is worth an effect.
 const WORTH_SHARE: f64 = 0.03;

@@ -4,12 +4,13 @@
 //! The walk: the base model is refitted first ([`crate::fit`]), so that a wrong value is never taken for a
 //! missing effect. Effects are screened beside it ([`screen`]), the promising ones fitted together with
 //! the base parameters ([`Candidate`]), sets grown, pruned and compared ([`Found`]); the verdict follows
-//! from the holdout runs ([`Verdict`]). Nothing before it looks at them, except where the fit runs leave several sets open:
-//! then the holdout runs decide between these.
+//! from the holdout runs ([`Verdict`]). Nothing before it looks at them, except where the fit runs leave several sets open or
+//! promise little: then the holdout runs decide.
 
 mod adapt;
 mod candidate;
 mod compare;
+mod decide;
 mod excitations;
 mod experiment;
 mod finish;

@@ -2,7 +2,7 @@
 //! few at every size are fitted, members leave again, and rivals of each member are tried.
 
 use super::candidate::Effort;
-use super::compare::{clearly_better, gain, worth};
+use super::compare::{clearly_better, worth};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
 use super::{Candidate, Options, Progress, Validation, with_effects};
 use crate::data::Data;
@@ -59,7 +59,7 @@ pub(super) const EQUAL_COST: f64 = 10.0;
 pub(super) const AT_FLOOR: f64 = 1.01;
 
 /// The same on what is left out, where every parameter costs a little.
-const NEAR_FLOOR: f64 = 1.05;
+pub(super) const NEAR_FLOOR: f64 = 1.05;
 
 /// Share of what the base model leaves that is not worth a search for a better fit of the same effects.
 const NOTHING_LEFT: f64 = 1e-3;
@@ -74,14 +74,11 @@ const TOO_COARSE: f64 = 0.1;
 /// Error as a ratio of the least so far, where that is near the floor, beyond which a set is given up after its race.
 const HOPELESS: f64 = 5.0;
 
+/// The same where little is left, as a share of that.
+const MOST_OF_IT: f64 = 0.5;
+
 /// How much more of what is unexplained a fit may leave after a race and still be fitted to the end.
 const REACH: f64 = 8.0;
-
-/// Cost as a ratio of the chosen set's above which a set is no tie, whatever is foreseen of stretches left out.
-const TIED_COST: f64 = 1.1;
-
-/// Ratio of errors on holdout runs up to which these do not decide between sets that the fit runs leave open.
-const HELD_OUT_ALIKE: f64 = 1.1;
 
 /// A set to be fitted, and where from.
 struct Plan {
@@ -98,10 +95,13 @@ const NOMINAL: usize = usize::MAX;
 
 impl Search<'_> {
     /// Grows, prunes and compares, from the fitted base model (`tried[0]`); the holdout runs decide between sets that the
-    /// fit runs leave open.
+    /// fit runs leave open, and whether a small gain is one.
     pub fn run(mut self, holdout: &Data) -> Found {
         let mut promises = Vec::new();
         let mut best = 0;
+        if self.tried[0].fit.error() <= FAR_ABOVE * self.data.floor {
+            self.refine_steps(0);
+        }
         let mut frontier = vec![0];
         for size in 1..=self.options.most_effects {
             if self.at_floor(best) {
@@ -157,6 +157,7 @@ impl Search<'_> {
             }
         }
         best = self.second_chances(best);
+        best = self.supported(holdout, best);
         let (chosen, tied) = self.ties(best);
         let (chosen, tied) = self.standing(holdout, chosen, tied);
         let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
@@ -170,12 +171,18 @@ impl Search<'_> {
         Found { tried: self.tried, chosen, tied, promises, base_as_searched }
     }
 
-    /// Goes on with the model's own steps where the search's are too coarse for a set (a play whose ends meet): the
-    /// error that they leave would be explained by further effects.
+    /// Goes on with the model's own steps where the search's are too coarse for a set (a play whose ends meet), or make
+    /// most of the little that is left: the error that they leave would be explained by further effects.
     fn refine_steps(&mut self, index: usize) {
         let candidate = &self.tried[index];
-        let much_is_left = candidate.fit.error() > FAR_ABOVE * self.data.floor;
-        if !much_is_left || self.step_error(candidate) <= TOO_COARSE * self.data.floor * self.data.floor {
+        let (error, floor) = (candidate.fit.error(), self.data.floor);
+        if error <= AT_FLOOR * floor {
+            return;
+        }
+        let much_is_left = error > FAR_ABOVE * floor;
+        let excess = error.powi(2) - floor.powi(2);
+        let most = if much_is_left { TOO_COARSE * floor * floor } else { MOST_OF_IT * excess };
+        if self.step_error(candidate) <= most {
             return;
         }
         self.base = self.exact;
@@ -388,7 +395,7 @@ impl Search<'_> {
         least <= FAR_ABOVE * self.data.floor && candidate.fit.error() > HOPELESS * least
     }
 
-    fn mean_square(&self, index: usize) -> f64 {
+    pub(super) fn mean_square(&self, index: usize) -> f64 {
         self.tried[index].validation.mean_square()
     }
 
@@ -502,54 +509,5 @@ impl Search<'_> {
             best = better;
         }
         best
-    }
-
-    /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are
-    /// its ties. A set that holds the chosen one and something beside it is no tie, nor one that is it by another name.
-    fn ties(&self, best: usize) -> (usize, Vec<usize>) {
-        let size = self.tried[best].effects.len();
-        let mut equal: Vec<usize> = (0..self.tried.len())
-            .filter(|&i| i == best || self.tried[i].effects.len() <= size)
-            .filter(|&i| i == best || !clearly_better(&self.tried[i], &self.tried[best], self.data.floor))
-            .collect();
-        let order = |i: usize| {
-            let t = &self.tried[i];
-            (t.effects.len(), t.effect_parameters())
-        };
-        equal.sort_by(|&a, &b| {
-            order(a).cmp(&order(b)).then(gain(&self.tried[a], &self.tried[b]).total_cmp(&0.0))
-        });
-        let chosen = equal.first().copied().unwrap_or(best);
-        let own = &self.tried[chosen].effects;
-        let tied = equal
-            .into_iter()
-            .skip(1)
-            .filter(|&i| own.is_empty() || self.tried[i].effects.len() <= own.len())
-            .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
-            .filter(|&i| !self.is_the_same(&self.tried[chosen], &self.tried[i]))
-            .collect();
-        (chosen, tied)
-    }
-
-    /// Of sets that the fit runs cannot tell apart, those that the holdout runs do not tell apart either: the chosen one
-    /// first if it is among them, else the one that foresees best.
-    fn standing(&self, holdout: &Data, chosen: usize, tied: Vec<usize>) -> (usize, Vec<usize>) {
-        if tied.is_empty() {
-            return (chosen, tied);
-        }
-        let error = |&i: &usize| {
-            let c = &self.tried[i];
-            holdout
-                .judge(c.model.as_ref(), &c.fit.values, c.fit.sensors())
-                .map_or(f64::INFINITY, |evaluation| evaluation.rms)
-        };
-        let all: Vec<usize> = [chosen].into_iter().chain(tied).collect();
-        let errors: Vec<f64> = all.par_iter().map(error).collect();
-        let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = (HELD_OUT_ALIKE * least).max(NEAR_FLOOR * holdout.floor);
-        let best = if errors[0] <= most { Some(0) } else { errors.iter().position(|e| *e == least) };
-        let best = best.unwrap_or(0);
-        let others = (0..all.len()).filter(|&k| k != best && errors[k] <= most).map(|k| all[k]).collect();
-        (all[best], others)
     }
 }

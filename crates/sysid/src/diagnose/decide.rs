@@ -1,0 +1,87 @@
+//! What a search ends with: the simplest of the sets that explain as much, what ties with it, and what the holdout runs
+//! say where the fit runs leave that open.
+
+use super::compare::{WORTH_SQUARED_NOISE, clearly_better, gain};
+use super::search::{NEAR_FLOOR, Search};
+use crate::data::Data;
+use rayon::prelude::*;
+
+/// Cost as a ratio of the chosen set's above which a set is no tie, whatever is foreseen of stretches left out.
+const TIED_COST: f64 = 1.1;
+
+/// Gain in the mean squared residual, in squared floors, below which the holdout runs must confirm it.
+const WEAK: f64 = 0.1;
+
+/// Ratio of errors on holdout runs up to which these do not decide between sets that the fit runs leave open.
+const HELD_OUT_ALIKE: f64 = 1.1;
+
+impl Search<'_> {
+    /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are
+    /// its ties. A set that holds the chosen one and something beside it is no tie, nor one that is it by another name.
+    pub(super) fn ties(&self, best: usize) -> (usize, Vec<usize>) {
+        let size = self.tried[best].effects.len();
+        let mut equal: Vec<usize> = (0..self.tried.len())
+            .filter(|&i| i == best || self.tried[i].effects.len() <= size)
+            .filter(|&i| i == best || !clearly_better(&self.tried[i], &self.tried[best], self.data.floor))
+            .collect();
+        let order = |i: usize| {
+            let t = &self.tried[i];
+            (t.effects.len(), t.effect_parameters())
+        };
+        equal.sort_by(|&a, &b| {
+            order(a).cmp(&order(b)).then(gain(&self.tried[a], &self.tried[b]).total_cmp(&0.0))
+        });
+        let chosen = equal.first().copied().unwrap_or(best);
+        let own = &self.tried[chosen].effects;
+        let tied = equal
+            .into_iter()
+            .skip(1)
+            .filter(|&i| own.is_empty() || self.tried[i].effects.len() <= own.len())
+            .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
+            .filter(|&i| !self.is_the_same(&self.tried[chosen], &self.tried[i]))
+            .collect();
+        (chosen, tied)
+    }
+
+    /// Error of a set on the holdout runs, in noise units.
+    fn held_out(&self, holdout: &Data, index: usize) -> f64 {
+        let c = &self.tried[index];
+        holdout
+            .judge(c.model.as_ref(), &c.fit.values, c.fit.sensors())
+            .map_or(f64::INFINITY, |evaluation| evaluation.rms)
+    }
+
+    /// The set, or a part of it where what the rest gains is little and nothing on the holdout runs: a ring that no fit
+    /// can follow leaves a little that other effects take up, run by run.
+    pub(super) fn supported(&self, holdout: &Data, best: usize) -> usize {
+        let (own, floor) = (&self.tried[best].effects, holdout.floor);
+        let weak = |i: usize| self.mean_square(i) - self.mean_square(best) < WEAK * floor * floor;
+        let part = |i: usize| {
+            let effects = &self.tried[i].effects;
+            effects.len() < own.len() && effects.iter().all(|e| own.contains(e))
+        };
+        let parts: Vec<usize> = (0..self.tried.len()).filter(|&i| part(i) && weak(i)).collect();
+        if parts.is_empty() {
+            return best;
+        }
+        let most = self.held_out(holdout, best).powi(2) + WORTH_SQUARED_NOISE * floor * floor;
+        let as_good = parts.into_iter().filter(|&i| self.held_out(holdout, i).powi(2) <= most);
+        as_good.min_by_key(|&i| self.tried[i].effects.len()).unwrap_or(best)
+    }
+
+    /// Of sets that the fit runs cannot tell apart, those that the holdout runs do not tell apart either: the chosen one
+    /// first if it is among them, else the one that foresees best.
+    pub(super) fn standing(&self, holdout: &Data, chosen: usize, tied: Vec<usize>) -> (usize, Vec<usize>) {
+        if tied.is_empty() {
+            return (chosen, tied);
+        }
+        let all: Vec<usize> = [chosen].into_iter().chain(tied).collect();
+        let errors: Vec<f64> = all.par_iter().map(|&i| self.held_out(holdout, i)).collect();
+        let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = (HELD_OUT_ALIKE * least).max(NEAR_FLOOR * holdout.floor);
+        let best = if errors[0] <= most { Some(0) } else { errors.iter().position(|e| *e == least) };
+        let best = best.unwrap_or(0);
+        let others = (0..all.len()).filter(|&k| k != best && errors[k] <= most).map(|k| all[k]).collect();
+        (all[best], others)
+    }
+}
