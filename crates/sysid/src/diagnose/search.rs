@@ -61,9 +61,6 @@ pub(super) const AT_FLOOR: f64 = 1.01;
 /// The same on what is left out, where every parameter costs a little.
 pub(super) const NEAR_FLOOR: f64 = 1.05;
 
-/// Share of what the base model leaves that is not worth a search for a better fit of the same effects.
-const NOTHING_LEFT: f64 = 1e-3;
-
 /// Error as a ratio of the floor beyond which the best set is suspected to be a poor fit before others are put beside it.
 pub(super) const FAR_ABOVE: f64 = 1.2;
 
@@ -210,15 +207,11 @@ impl Search<'_> {
         squares / rows.max(1) as f64
     }
 
-    /// Whether a fit leaves no more than the noise, the error of the search's steps and next to nothing of what the base
-    /// model leaves.
+    /// Whether a fit leaves no more than the noise and the error of the search's steps.
     pub(super) fn is_settled(&self, candidate: &Candidate) -> bool {
-        let error = candidate.fit.error();
-        let excess = |error: f64| error.powi(2) - self.data.floor.powi(2);
-        let base = self.tried.first().map_or(0.0, |base| excess(base.fit.error()));
-        error <= AT_FLOOR * self.data.floor
-            || (error <= NEAR_FLOOR * self.data.floor
-                && (excess(error) <= NOTHING_LEFT * base || excess(error) <= self.step_error(candidate)))
+        let (error, floor) = (candidate.fit.error(), self.data.floor);
+        let excess = error.powi(2) - floor.powi(2);
+        error <= AT_FLOOR * floor || (error <= NEAR_FLOOR * floor && excess <= self.step_error(candidate))
     }
 
     /// Whether nothing is left to explain.
