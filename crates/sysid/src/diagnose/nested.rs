@@ -1,5 +1,5 @@
-//! Laws that contain others: a richer law whose fitted values are those of a simpler one, as closely as data can say,
-//! is the simpler one and no rival of it.
+//! Laws that contain others: where no departure from the simpler law could hide in the data, the richer one is it by
+//! another name, and no rival.
 
 use super::Candidate;
 use super::candidate::symbol;
@@ -8,22 +8,15 @@ use crate::fit::Signatures;
 use sealegs_model::{EffectCard, Scale, SimplerLaw};
 
 /// Departure from the simpler law, as a share of its strength, that data must exclude.
-const EXCLUDED: f64 = 0.1;
-
-/// Standard errors by which they must.
-const SURE: f64 = 3.0;
-
-/// Departure below which laws are the same in any case.
-const SAME: f64 = 0.01;
-
-/// Departure that must show wherever on its scale another parameter of the law lies (a Stribeck velocity that no run
-/// falls below).
-const WIDE: f64 = 0.3;
+const DEPARTURE: f64 = 0.3;
 
 impl Search<'_> {
-    /// Whether a set is the chosen one with richer laws in the place of some of its own, whose fitted values say that
-    /// they are these.
+    /// Whether a set is the chosen one with richer laws in the place of some of its own, fits no better, and could not
+    /// depart from it unseen.
     pub(super) fn is_the_same(&self, chosen: &Candidate, richer: &Candidate) -> bool {
+        if richer.fit.cost < chosen.fit.cost - EQUAL_COST {
+            return false;
+        }
         let cards = self.base.effects(self.seen);
         let mut as_simple: Vec<String> = Vec::new();
         for effect in &richer.effects {
@@ -31,9 +24,11 @@ impl Search<'_> {
                 as_simple.push(effect.clone());
                 continue;
             }
-            let Some(card) = cards.iter().find(|c| c.id == *effect) else { return false };
-            match card.becomes.as_ref().map(|law| (law, simpler_id(card, law))) {
-                Some((law, id)) if self.is_reduced(chosen, richer, effect, law) => as_simple.push(id),
+            let card = cards.iter().find(|c| c.id == *effect);
+            match card.and_then(|card| Some((card, card.becomes.as_ref()?))) {
+                Some((card, law)) if self.cannot_hide(chosen, richer, card, law) => {
+                    as_simple.push(simpler_id(card, law));
+                }
                 _ => return false,
             }
         }
@@ -41,40 +36,36 @@ impl Search<'_> {
         alike && chosen.effects.iter().all(|e| as_simple.contains(e))
     }
 
-    /// Whether an effect of a fitted set is the simpler law that it contains.
-    fn is_reduced(&self, chosen: &Candidate, candidate: &Candidate, effect: &str, law: &SimplerLaw) -> bool {
-        let (fit, parameters) = (&candidate.fit, candidate.model.parameters());
+    /// Whether a departure of one of the richer set's laws would show, wherever on its scale another parameter of that
+    /// law lies, among those that are tried for it (a Stribeck velocity that the runs hardly fall below).
+    fn cannot_hide(
+        &self,
+        chosen: &Candidate,
+        richer: &Candidate,
+        card: &EffectCard,
+        law: &SimplerLaw,
+    ) -> bool {
+        let parameters = richer.model.parameters();
         let own: Vec<usize> =
-            (0..parameters.len()).filter(|&i| symbol(&parameters[i].name, effect).is_some()).collect();
-        let place = |i: usize| fit.free.iter().position(|&f| f == i);
-        let Some((departing, at)) = own.get(law.departure).and_then(|&i| Some((i, place(i)?))) else {
-            return false;
-        };
-        let like = law.like.and_then(|l| own.get(l)).and_then(|&i| Some((i, place(i)?)));
-        if law.like.is_some() && like.is_none() {
-            return false;
+            (0..parameters.len()).filter(|&i| symbol(&parameters[i].name, &card.id).is_some()).collect();
+        let mut departed = richer.fit.values.clone();
+        departed[own[law.departure]] =
+            law.like.map_or(DEPARTURE, |like| (1.0 + DEPARTURE) * departed[own[like]]);
+        let mut places = vec![departed];
+        for (&i, p) in own.iter().zip(&card.parameters) {
+            if p.scale == Scale::Logarithmic && i != own[law.departure] {
+                let values = p.starts.iter().copied().chain([p.min, p.value]);
+                let at = |value: f64| {
+                    places.iter().map(move |place| {
+                        let mut place = place.clone();
+                        place[i] = value;
+                        place
+                    })
+                };
+                places = values.flat_map(at).collect();
+            }
         }
-        let c = &fit.covariance;
-        let (departure, variance) = match like {
-            Some((l, to)) => (
-                fit.values[departing] / fit.values[l] - 1.0,
-                (c[(at, at)] + c[(to, to)] - 2.0 * c[(at, to)]) / fit.values[l].powi(2),
-            ),
-            None => (fit.values[departing], c[(at, at)]),
-        };
-        let std = variance.max(0.0).sqrt();
-        if departure.abs() > SAME.max(SURE * std) || departure.abs() + SURE * std > EXCLUDED {
-            return false;
-        }
-        let scale = |i: usize| {
-            parameters[i].scale == Scale::Logarithmic && i != departing && like.is_none_or(|(l, _)| l != i)
-        };
-        own.iter().filter(|&&i| scale(i)).all(|&i| {
-            let mut values = fit.values.clone();
-            values[i] = parameters[i].min;
-            values[departing] = like.map_or(WIDE, |(l, _)| (1.0 + WIDE) * fit.values[l]);
-            self.would_show(chosen, candidate, &values)
-        })
+        places.iter().all(|place| self.would_show(chosen, richer, place))
     }
 
     /// Whether a set at these values predicts what the chosen one cannot, however its own parameters are fitted.
