@@ -7,7 +7,7 @@ use crate::data::Data;
 use rayon::prelude::*;
 
 /// Cost as a ratio of the chosen set's above which a set is no tie, whatever is foreseen of stretches left out.
-const TIED_COST: f64 = 1.1;
+pub(super) const TIED_COST: f64 = 1.1;
 
 /// Gain in the mean squared residual, in squared floors, below which the holdout runs must confirm it.
 const WEAK: f64 = 0.1;
@@ -17,7 +17,7 @@ const HELD_OUT_ALIKE: f64 = 1.1;
 
 impl Search<'_> {
     /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are
-    /// its ties. A set that holds the chosen one and something beside it is no tie, nor one that is it by another name.
+    /// its ties. A set that holds the chosen one and something beside it is no tie.
     pub(super) fn ties(&self, best: usize) -> (usize, Vec<usize>) {
         let size = self.tried[best].effects.len();
         let mut equal: Vec<usize> = (0..self.tried.len())
@@ -38,7 +38,6 @@ impl Search<'_> {
             .skip(1)
             .filter(|&i| own.is_empty() || self.tried[i].effects.len() <= own.len())
             .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
-            .filter(|&i| !self.is_the_same(&self.tried[chosen], &self.tried[i]))
             .collect();
         (chosen, tied)
     }

@@ -113,7 +113,7 @@ fn rivals(diagnosis: &Diagnosis) -> Vec<&Candidate> {
         let own = &tried[first].effects;
         let holds_own = |i: usize| own.iter().all(|e| tried[i].effects.contains(e));
         let ranked = verdict.ranking.iter().map(|r| r.index).chain([0]);
-        let mut others = ranked.filter(|&i| i != first);
+        let mut others = ranked.filter(|&i| i != first && !diagnosis.found.same.contains(&i));
         // A set that holds the named one beside something idle is no rival where the base is not named.
         let rival = if own.is_empty() { others.next() } else { others.find(|&i| !holds_own(i)) };
         all.extend(rival);

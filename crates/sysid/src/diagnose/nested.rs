@@ -3,6 +3,7 @@
 
 use super::Candidate;
 use super::candidate::symbol;
+use super::decide::TIED_COST;
 use super::search::{EQUAL_COST, Search};
 use crate::fit::Signatures;
 use sealegs_model::{EffectCard, Scale, SimplerLaw};
@@ -11,10 +12,19 @@ use sealegs_model::{EffectCard, Scale, SimplerLaw};
 const DEPARTURE: f64 = 0.3;
 
 impl Search<'_> {
+    /// The sets that are the chosen one by another name.
+    pub(super) fn by_another_name(&self, chosen: usize) -> Vec<usize> {
+        let own = &self.tried[chosen];
+        let others = (0..self.tried.len()).filter(|&i| i != chosen);
+        others.filter(|&i| self.is_the_same(own, &self.tried[i])).collect()
+    }
+
     /// Whether a set is the chosen one with richer laws in the place of some of its own, fits no better, and could not
     /// depart from it unseen.
-    pub(super) fn is_the_same(&self, chosen: &Candidate, richer: &Candidate) -> bool {
-        if richer.fit.cost < chosen.fit.cost - EQUAL_COST {
+    fn is_the_same(&self, chosen: &Candidate, richer: &Candidate) -> bool {
+        let cost = chosen.fit.cost;
+        let comparable = richer.effects.len() == chosen.effects.len() && richer.fit.cost <= TIED_COST * cost;
+        if !comparable || richer.fit.cost < cost - EQUAL_COST {
             return false;
         }
         let cards = self.base.effects(self.seen);

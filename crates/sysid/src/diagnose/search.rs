@@ -19,6 +19,8 @@ pub struct Found {
     pub chosen: usize,
     /// Indices of sets of no more effects that neither the fit runs nor the holdout runs tell from the chosen one.
     pub tied: Vec<usize>,
+    /// Indices of sets that are the chosen one by another name: richer laws from whose simple form nothing departs.
+    pub same: Vec<usize>,
     /// What screening promised of each effect beside the base model.
     pub promises: Vec<Promise>,
     /// How the base model predicts what was left out, as exactly as the search was: what the sets that were not
@@ -156,7 +158,9 @@ impl Search<'_> {
         best = self.second_chances(best);
         best = self.supported(holdout, best);
         let (chosen, tied) = self.ties(best);
-        let (chosen, tied) = self.standing(holdout, chosen, tied);
+        let (chosen, mut tied) = self.standing(holdout, chosen, tied);
+        let same = self.by_another_name(chosen);
+        tied.retain(|i| !same.contains(i));
         let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
         self.tried[chosen] = settled;
         let base_as_searched = self.tried[0].validation.clone();
@@ -165,7 +169,7 @@ impl Search<'_> {
                 self.tried[i] = self.polished(&self.tried[i]);
             }
         }
-        Found { tried: self.tried, chosen, tied, promises, base_as_searched }
+        Found { tried: self.tried, chosen, tied, same, promises, base_as_searched }
     }
 
     /// Goes on with the model's own steps where the search's are too coarse for a set (a play whose ends meet), or make
