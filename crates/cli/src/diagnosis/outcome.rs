@@ -19,6 +19,8 @@ pub struct Outcome {
     pub effects: Vec<String>,
     /// Other sets that these data cannot tell from them.
     pub indistinguishable: Vec<Vec<String>>,
+    /// Sets of richer laws that fit as well because they are the named ones by another name: a departure would show.
+    pub same_by_another_name: Vec<Vec<String>>,
     /// The model with the effects.
     pub after: Option<Side>,
     /// Part of the residual energy above the floor that is left.
@@ -169,6 +171,7 @@ impl Outcome {
             verdict: verdict.kind.as_str(),
             effects: verdict.effects.clone(),
             indistinguishable: verdict.indistinguishable.clone(),
+            same_by_another_name: verdict.same_by_another_name.clone(),
             after: named.then(|| side(&verdict.after)),
             unexplained_share: verdict.unexplained_share,
             ranking: verdict

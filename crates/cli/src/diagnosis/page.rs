@@ -2,7 +2,7 @@
 
 use super::outcome::{Outcome, percent};
 use super::story::Story;
-use super::text::{digits_for, evidence, figures as number};
+use super::text::{another_name, digits_for, evidence, figures as number};
 use super::{figures, friction};
 use crate::comparison::page::{depends, place};
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue};
@@ -208,10 +208,13 @@ fn ambiguity(page: &mut Report, o: &Outcome) {
     if o.effects.is_empty() {
         page.paragraph("No effect is named, so that there is nothing to confuse it with.");
     } else if o.indistinguishable.is_empty() {
-        page.paragraph("No other set of no more effects predicts these data as well.");
+        page.paragraph("These data tell what is named from every other set of no more effects.");
     } else {
         page.paragraph("On these data the following sets predict as well as the one that is named:");
         page.list(&o.indistinguishable.iter().map(|s| s.join(" + ")).collect::<Vec<_>>());
+    }
+    if let Some(sentence) = another_name(o) {
+        page.paragraph(&sentence);
     }
 }
 

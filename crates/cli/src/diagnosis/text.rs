@@ -1,6 +1,7 @@
 //! A diagnosis as text for a terminal.
 
 use super::outcome::{Outcome, ParameterValue, Side};
+use sealegs_sysid::diagnose::DEPARTURE;
 use std::fmt::Write as _;
 use std::time::Duration;
 
@@ -33,6 +34,9 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
         for set in &outcome.indistinguishable {
             let _ = writeln!(o, "  {}", set.join(" + "));
         }
+    }
+    if let Some(sentence) = another_name(outcome) {
+        let _ = writeln!(o, "\n{sentence}");
     }
     if !outcome.ranking.is_empty() {
         let widest =
@@ -127,6 +131,20 @@ pub fn figures(value: f64, digits: usize) -> String {
     } else {
         format!("{value:.*e}", digits.saturating_sub(1))
     }
+}
+
+/// What is said of laws that contain the named ones, if some were fitted.
+#[must_use]
+pub(super) fn another_name(outcome: &Outcome) -> Option<String> {
+    let sets: Vec<String> = outcome.same_by_another_name.iter().map(|s| s.join(" + ")).collect();
+    let (verb, pronoun) = if sets.len() == 1 { ("fits", "it is") } else { ("fit", "they are") };
+    (!sets.is_empty()).then(|| {
+        format!(
+            "{} {verb} as well, because {pronoun} the same law by another name here: a departure of {:.0} % would show.",
+            sets.join(" and "),
+            100.0 * DEPARTURE
+        )
+    })
 }
 
 #[cfg(test)]

@@ -183,6 +183,7 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
         verdict: "added",
         effects: added.effects.clone(),
         indistinguishable: Vec::new(),
+        same_by_another_name: Vec::new(),
         after: Some(after),
         unexplained_share: share,
         next_experiment: String::new(),

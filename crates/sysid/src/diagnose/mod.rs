@@ -26,6 +26,7 @@ mod verdict;
 pub use candidate::{Candidate, Effort, values_by_name, with_effects};
 pub use compare::clearly_better;
 pub use experiment::{Experiment, Limits, Play, next_experiment};
+pub use nested::DEPARTURE;
 pub use rugged::{fit_holding, tuned};
 pub use screen::{Promise, Starts, race_periodic, screen};
 pub use search::Found;

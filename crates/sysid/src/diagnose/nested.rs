@@ -8,8 +8,9 @@ use super::search::{EQUAL_COST, Search};
 use crate::fit::Signatures;
 use sealegs_model::{EffectCard, Scale, SimplerLaw};
 
-/// Departure from the simpler law, as a share of its strength, that data must exclude.
-const DEPARTURE: f64 = 0.3;
+/// Departure of a richer law from the simpler one that it contains, as a share of its strength, that data must exclude for
+/// both to be the same.
+pub const DEPARTURE: f64 = 0.3;
 
 impl Search<'_> {
     /// The sets that are the chosen one by another name.

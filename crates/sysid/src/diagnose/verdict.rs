@@ -71,6 +71,8 @@ pub struct Verdict {
     pub effects: Vec<String>,
     /// Other sets that these data cannot tell from them.
     pub indistinguishable: Vec<Vec<String>>,
+    /// Sets that are the named one by another name (see [`Found::same`]).
+    pub same_by_another_name: Vec<Vec<String>>,
     /// Noise floor, in noise units.
     pub floor: f64,
     /// The base model.
@@ -153,15 +155,13 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     if left && found.tried[after.index].fit.error() <= ADEQUATE * floor {
         remainder.insert(0, ONLY_HELD_OUT.to_owned());
     }
+    let sets = |indices: &[usize]| indices.iter().map(|&i| found.tried[i].effects.clone()).collect();
     Ok(Verdict {
         kind,
         remainder,
         effects: if named { chosen.effects.clone() } else { Vec::new() },
-        indistinguishable: if named {
-            found.tied.iter().map(|&i| found.tried[i].effects.clone()).collect()
-        } else {
-            Vec::new()
-        },
+        indistinguishable: if named { sets(&found.tied) } else { Vec::new() },
+        same_by_another_name: if named { sets(&found.same) } else { Vec::new() },
         floor,
         base: base_judged,
         after,
