@@ -226,18 +226,13 @@ fn values(page: &mut Report, compared: &Compared) {
         .numbers("nominal", "")
         .words("remark");
     for (p, v) in fit.parameters.iter().zip(parameters(fit)).filter(|(p, _)| !p.fixed) {
-        let remark = match (p.at_bound, p.felt) {
-            (Some(_), _) => "at its bound",
-            (None, false) => "not felt by these data",
-            _ => "",
-        };
         table.row([
             p.name.clone(),
             figures(v.value, 6),
             figures(p.std, 2),
             p.unit.clone(),
             figures(p.nominal, 6),
-            remark.to_owned(),
+            v.remark(),
         ]);
     }
     page.table(&table, "The model's own parameters after the refit.");

@@ -71,6 +71,27 @@ pub struct ParameterValue {
     pub at_bound: bool,
     /// The data say something about it.
     pub felt: bool,
+    /// Its distance from the nominal value in standard deviations of what is known of it, if anything is.
+    pub from_nominal: Option<f64>,
+}
+
+/// Standard deviations from a nominal value beyond which it is said: a wrong model, or a fit at rest in a wrong place, may
+/// have driven a parameter there.
+const FAR_FROM_NOMINAL: f64 = 3.0;
+
+impl ParameterValue {
+    /// What a person should know of the value; empty where there is nothing.
+    #[must_use]
+    pub fn remark(&self) -> String {
+        match (self.at_bound, self.felt, self.from_nominal) {
+            (true, ..) => "at its bound".to_owned(),
+            (_, false, _) => "not felt by these data".to_owned(),
+            (.., Some(far)) if far.abs() > FAR_FROM_NOMINAL => {
+                format!("far from nominal: {:.1} of its standard deviations", far.abs())
+            }
+            _ => String::new(),
+        }
+    }
 }
 
 /// A sensor's fitted gain and bias.
@@ -124,6 +145,11 @@ pub fn parameters(fit: &Fit) -> Vec<ParameterValue> {
             fixed: p.fixed,
             at_bound: p.at_bound.is_some(),
             felt: p.felt,
+            from_nominal: p
+                .prior_std
+                .filter(|std| !p.fixed && *std > 0.0)
+                .map(|std| (p.value - p.nominal) / std)
+                .filter(|far| far.is_finite()),
         })
         .collect()
 }

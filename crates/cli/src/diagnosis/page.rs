@@ -180,11 +180,7 @@ fn parameters(page: &mut Report, o: &Outcome) {
         }
         cells.push(p.std.map_or("?".to_owned(), |s| number(s, 2)));
         cells.push(p.unit.clone());
-        cells.push(match (p.at_bound, p.felt) {
-            (true, _) => "at its bound".to_owned(),
-            (_, false) => "not felt by these data".to_owned(),
-            _ => String::new(),
-        });
+        cells.push(p.remark());
         if p.name.contains('.') {
             table.strong_row(cells)
         } else {

@@ -93,10 +93,9 @@ pub fn parameter_lines(parameters: &[ParameterValue]) -> String {
     for p in parameters.iter().filter(|p| !p.fixed) {
         let std = p.std.map_or("?".to_owned(), |s| figures(s, 2));
         let digits = digits_for(p.value, p.std.unwrap_or(0.0));
-        let remark = match (p.at_bound, p.felt) {
-            (true, _) => "  at its bound",
-            (_, false) => "  not felt by these data",
-            _ => "",
+        let remark = match p.remark() {
+            nothing if nothing.is_empty() => nothing,
+            remark => format!("  {remark}"),
         };
         let _ = writeln!(
             out,
