@@ -72,6 +72,7 @@ pub struct ParameterValue {
     /// The data say something about it.
     pub felt: bool,
     /// Its distance from the nominal value in standard deviations of what is known of it, if anything is.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub from_nominal: Option<f64>,
 }
 
