@@ -378,6 +378,8 @@ impl Search<'_> {
                 ),
                 1 if within(&c) => self.with_best_choice(self.whole(self.returned(self.finished(c))), 0.0),
                 _ if place < self.options.finishers && within(&c) => self.finished(c),
+                // What promised most may have had the longest way to go.
+                _ if sets.first() == Some(&c.effects) && !options.secants => self.returned(self.finished(c)),
                 _ => c,
             })
             .collect();
