@@ -2,7 +2,8 @@
 //! say where the fit runs leave that open.
 
 use super::compare::{WORTH_SQUARED_NOISE, clearly_better, gain};
-use super::search::{NEAR_FLOOR, Search};
+use super::left::NEAR_FLOOR;
+use super::search::Search;
 use crate::data::Data;
 use rayon::prelude::*;
 

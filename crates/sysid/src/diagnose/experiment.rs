@@ -14,8 +14,8 @@ const MOST_RIVALS: usize = 3;
 /// Excitations that are examined with refitted parameters, out of those that differ most without.
 const EXAMINED: usize = 4;
 
-/// The same where each run simulates a whole leg: while sets are tied, and where there is only something to confirm.
-const EXAMINED_RUNS: [usize; 2] = [2, 1];
+/// The same where each run simulates a whole leg and sets are tied; where there is only something to confirm, one is.
+const EXAMINED_RUNS: usize = 2;
 
 /// Difference between rivals, in noise units over all samples together, that settles the matter.
 const SETTLES: f64 = 10.0;
@@ -81,7 +81,7 @@ pub fn next_experiment(
         let excitations = library(&excite).into_par_iter();
         (excitations.filter_map(|e| rig.excited(&rivals, &excite, e)).collect(), EXAMINED)
     } else {
-        let examined = EXAMINED_RUNS[usize::from(diagnosis.verdict.indistinguishable.is_empty())];
+        let examined = if diagnosis.verdict.indistinguishable.is_empty() { 1 } else { EXAMINED_RUNS };
         (runs.into_par_iter().filter_map(|record| rig.run(&rivals, record)).collect(), examined)
     };
     // Ties in the order of the library.

@@ -2,8 +2,9 @@
 //! the model itself in the place of the search's coarser one.
 
 use super::candidate::symbol;
+use super::left::FAR_ABOVE;
 use super::screen::{LISTED, PHASE, is_amplitude};
-use super::search::{FAR_ABOVE, Search};
+use super::search::Search;
 use super::{Candidate, rugged, with_effects};
 use crate::fit::{self, Difference, FitOptions, FittedParameter};
 use rayon::prelude::*;

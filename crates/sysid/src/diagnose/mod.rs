@@ -14,6 +14,7 @@ mod decide;
 mod excitations;
 mod experiment;
 mod finish;
+mod left;
 mod nested;
 mod rig;
 mod rivals;

@@ -3,8 +3,9 @@
 
 use super::candidate::Effort;
 use super::compare::{clearly_better, worth};
+use super::left::{FAR_ABOVE, NEAR_FLOOR};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
-use super::{Candidate, Options, Progress, Validation, with_effects};
+use super::{Candidate, Options, Progress, Validation};
 use crate::data::Data;
 use crate::fit::Difference;
 use rayon::prelude::*;
@@ -55,26 +56,6 @@ const FINAL_STEPS: usize = 20;
 
 /// Costs that differ by less are equal: a likelihood ratio of e^10 is decisive.
 pub(super) const EQUAL_COST: f64 = 10.0;
-
-/// Error as a ratio of the floor below which nothing is looked for: a stated noise is rounded, an encoder's quantum
-/// is not quite noise, and the search's steps are coarse.
-pub(super) const AT_FLOOR: f64 = 1.01;
-
-/// The same on what is left out, where every parameter costs a little.
-pub(super) const NEAR_FLOOR: f64 = 1.05;
-
-/// Error as a ratio of the floor beyond which the best set is suspected to be a poor fit before others are put beside it.
-pub(super) const FAR_ABOVE: f64 = 1.2;
-
-/// Mean squared difference of predictions with the search's steps and the model's own, in squared floors, above which
-/// the search's are too coarse.
-const TOO_COARSE: f64 = 0.1;
-
-/// Error as a ratio of the least so far, where that is near the floor, beyond which a set is given up after its race.
-const HOPELESS: f64 = 5.0;
-
-/// The same where little is left, as a share of that.
-const MOST_OF_IT: f64 = 0.5;
 
 /// How much more of what is unexplained a fit may leave after a race and still be fitted to the end.
 const REACH: f64 = 8.0;
@@ -170,59 +151,6 @@ impl Search<'_> {
             }
         }
         Found { tried: self.tried, chosen, tied, same, promises, base_as_searched }
-    }
-
-    /// Goes on with the model's own steps where the search's are too coarse for a set (a play whose ends meet), or make
-    /// most of the little that is left: the error that they leave would be explained by further effects.
-    fn refine_steps(&mut self, index: usize) {
-        let candidate = &self.tried[index];
-        let (error, floor) = (candidate.fit.error(), self.data.floor);
-        if error <= AT_FLOOR * floor {
-            return;
-        }
-        let much_is_left = error > FAR_ABOVE * floor;
-        let excess = error.powi(2) - floor.powi(2);
-        let most = if much_is_left { TOO_COARSE * floor * floor } else { MOST_OF_IT * excess };
-        if self.step_error(candidate) <= most {
-            return;
-        }
-        self.base = self.exact;
-        self.refined = true;
-        let candidate = &self.tried[index];
-        if let Some(fitted) = self.fitted_near(candidate, &candidate.effects, &candidate.known()) {
-            self.tried[index] = self.shaken(self.descended(fitted));
-        }
-    }
-
-    /// Mean squared difference of a candidate's predictions with the search's steps and with the model's own; 0 where
-    /// they are the same steps, or simulations are dear.
-    fn step_error(&self, candidate: &Candidate) -> f64 {
-        if self.options.secants || self.refined {
-            return 0.0;
-        }
-        let exactly = with_effects(self.exact, &candidate.effects, self.seen)
-            .and_then(|model| self.data.evaluate(model.as_ref(), &candidate.fit.values));
-        let Ok(exactly) = exactly else { return 0.0 };
-        let (mut squares, mut rows) = (0.0, 0usize);
-        for (a, b) in exactly.blocks.iter().zip(&candidate.fit.evaluation.blocks) {
-            squares += a.residual.iter().zip(&b.residual).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
-            rows += a.residual.len();
-        }
-        squares / rows.max(1) as f64
-    }
-
-    /// Whether a fit leaves no more than the noise and the error of the search's steps.
-    pub(super) fn is_settled(&self, candidate: &Candidate) -> bool {
-        let (error, floor) = (candidate.fit.error(), self.data.floor);
-        let excess = error.powi(2) - floor.powi(2);
-        error <= AT_FLOOR * floor || (error <= NEAR_FLOOR * floor && excess <= self.step_error(candidate))
-    }
-
-    /// Whether nothing is left to explain.
-    pub(super) fn at_floor(&self, index: usize) -> bool {
-        let left_out = self.tried[index].validation.mean_square().sqrt();
-        self.tried[index].fit.error() <= AT_FLOOR * self.data.floor
-            && left_out <= NEAR_FLOOR * self.data.floor
     }
 
     pub(super) fn screen_beside(&mut self, from: usize, size: usize) -> Vec<Promise> {
@@ -386,12 +314,6 @@ impl Search<'_> {
         let first = self.tried.len();
         self.tried.extend(finished);
         (first..self.tried.len()).collect()
-    }
-
-    /// Whether a set is far behind a leader, or the best so far, that leaves next to nothing.
-    pub(super) fn is_hopeless(&self, candidate: &Candidate, leader: f64) -> bool {
-        let least = self.tried.iter().map(|c| c.fit.error()).fold(leader, f64::min);
-        least <= FAR_ABOVE * self.data.floor && candidate.fit.error() > HOPELESS * least
     }
 
     pub(super) fn mean_square(&self, index: usize) -> f64 {
