@@ -6,8 +6,11 @@ use super::Candidate;
 /// what two integrators of the same physics differ by.
 pub(super) const WORTH_SQUARED_NOISE: f64 = 0.006;
 
-/// Least share of what is still unexplained that is worth an effect.
-const WORTH_SHARE: f64 = 0.03;
+/// Least share of what is still unexplained on left-out stretches that is worth an effect.
+pub(super) const WORTH_SHARE: f64 = 0.03;
+
+/// The same of what a fit leaves, which is known better.
+const WORTH_SHARE_FITTED: f64 = 0.05;
 
 /// Least gain in the sum of squared residuals per further parameter, in squared noise units.
 const WORTH_PER_PARAMETER: f64 = 15.0;
@@ -40,8 +43,10 @@ pub fn clearly_better(worse: &Candidate, better: &Candidate, floor: f64) -> bool
         return false;
     }
     // Left-out stretches are foreseen by one linear step: where that is rough, what fits no better is no better.
-    if 2.0 * (worse.fit.cost - better.fit.cost)
-        < WORTH_PER_PARAMETER * extra * better.validation.mean_square().max(1.0)
+    let fitted = 2.0 * (worse.fit.cost - better.fit.cost);
+    let left = (2.0 * worse.fit.cost - floor * floor * residuals).max(0.0);
+    if fitted < WORTH_PER_PARAMETER * extra * better.validation.mean_square().max(1.0)
+        || fitted < WORTH_SHARE_FITTED * left
     {
         return false;
     }

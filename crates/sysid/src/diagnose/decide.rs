@@ -1,7 +1,7 @@
 //! What a search ends with: the simplest of the sets that explain as much, what ties with it, and what the holdout runs
 //! say where the fit runs leave that open.
 
-use super::compare::{WORTH_SQUARED_NOISE, clearly_better, gain};
+use super::compare::{WORTH_SHARE, WORTH_SQUARED_NOISE, clearly_better, gain};
 use super::left::NEAR_FLOOR;
 use super::search::Search;
 use crate::data::Data;
@@ -10,7 +10,8 @@ use rayon::prelude::*;
 /// Cost as a ratio of the chosen set's above which a set is no tie, whatever is foreseen of stretches left out.
 pub(super) const TIED_COST: f64 = 1.1;
 
-/// Gain in the mean squared residual, in squared floors, below which the holdout runs must confirm it.
+/// Gain in the mean squared residual, in squared floors or as a share of what is left if that is more, below which the
+/// holdout runs must confirm it.
 const WEAK: f64 = 0.1;
 
 /// Ratio of errors on holdout runs up to which these do not decide between sets that the fit runs leave open.
@@ -54,8 +55,10 @@ impl Search<'_> {
     /// The set, or a part of it where what the rest gains is little and nothing on the holdout runs: a ring that no fit
     /// can follow leaves a little that other effects take up, run by run.
     pub(super) fn supported(&self, holdout: &Data, best: usize) -> usize {
-        let (own, floor) = (&self.tried[best].effects, holdout.floor);
-        let weak = |i: usize| self.mean_square(i) - self.mean_square(best) < WEAK * floor * floor;
+        let square = self.data.floor.powi(2);
+        let (own, left) = (&self.tried[best].effects, self.tried[best].fit.error().powi(2));
+        let little = WEAK * square.max(left - square);
+        let weak = |i: usize| self.tried[i].fit.error().powi(2) - left < little;
         let part = |i: usize| {
             let effects = &self.tried[i].effects;
             effects.len() < own.len() && effects.iter().all(|e| own.contains(e))
@@ -64,7 +67,9 @@ impl Search<'_> {
         if parts.is_empty() {
             return best;
         }
-        let most = self.held_out(holdout, best).powi(2) + WORTH_SQUARED_NOISE * floor * floor;
+        let square = holdout.floor.powi(2);
+        let left = self.held_out(holdout, best).powi(2);
+        let most = left + (WORTH_SQUARED_NOISE * square).max(WORTH_SHARE * (left - square));
         let as_good = parts.into_iter().filter(|&i| self.held_out(holdout, i).powi(2) <= most);
         as_good.min_by_key(|&i| self.tried[i].effects.len()).unwrap_or(best)
     }

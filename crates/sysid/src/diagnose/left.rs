@@ -17,7 +17,11 @@ pub(super) const FAR_ABOVE: f64 = 1.2;
 /// the search's are too coarse.
 const TOO_COARSE: f64 = 0.1;
 
-/// The same where little is left, as a share of that.
+/// The same as a share of what is left, where that is much: what is missing makes nearly all of it, and finer steps
+/// cost several times as much (where repeats differ by more than the noise, all sets leave much).
+const PART_OF_IT: f64 = 0.05;
+
+/// The same as a share of what is left, where that is little.
 const MOST_OF_IT: f64 = 0.5;
 
 /// Error as a ratio of the least so far, where that is near the floor, beyond which a set is given up after its race.
@@ -34,7 +38,11 @@ impl Search<'_> {
         }
         let much_is_left = error > FAR_ABOVE * floor;
         let excess = error.powi(2) - floor.powi(2);
-        let most = if much_is_left { TOO_COARSE * floor * floor } else { MOST_OF_IT * excess };
+        let most = if much_is_left {
+            (TOO_COARSE * floor * floor).max(PART_OF_IT * excess)
+        } else {
+            MOST_OF_IT * excess
+        };
         if self.step_error(candidate) <= most {
             return;
         }

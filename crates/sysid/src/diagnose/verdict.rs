@@ -13,8 +13,11 @@ const ADEQUATE: f64 = 1.05;
 /// Error above the floor, as a ratio, up to which a model with effects has explained everything.
 const EXPLAINED: f64 = 1.25;
 
-/// Share of the unexplained energy that effects must remove to be named at all.
-const WORTH_NAMING: f64 = 0.5;
+/// Share of the unexplained energy on held-out runs that effects must remove to be named at all.
+const WORTH_NAMING: f64 = 0.25;
+
+/// The same from which on they are named even if one of the held-out runs gains nothing.
+const MOST_OF_IT: f64 = 0.5;
 
 /// Mean squared error above the floor on held-out runs, in units of what the fitted values' own uncertainty makes
 /// one expect there, up to which it says nothing against the model: few directions make most of it.
@@ -129,7 +132,9 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
         if fits { VerdictKind::Adequate } else { VerdictKind::Unexplained }
     } else if at_floor(&chosen_holdout, EXPLAINED) {
         VerdictKind::MissingEffect
-    } else if share <= 1.0 - WORTH_NAMING {
+    } else if share <= 1.0 - MOST_OF_IT
+        || (share <= 1.0 - WORTH_NAMING && helps_everywhere(&base_holdout, &chosen_holdout))
+    {
         VerdictKind::PartlyExplained
     } else {
         VerdictKind::Unexplained
@@ -170,6 +175,15 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
         unexplained_share: if named { share } else { 1.0 },
         ranking: ranking.into_iter().flatten().collect(),
     })
+}
+
+/// Whether effects help on every held-out run: what holds up on some of them only is no law.
+fn helps_everywhere(base: &Evaluation, with: &Evaluation) -> bool {
+    let runs = base.blocks.iter().map(|b| b.run).max().map_or(0, |r| r + 1);
+    let squares = |e: &Evaluation, run: usize| -> f64 {
+        e.blocks.iter().filter(|b| b.run == run).flat_map(|b| &b.residual).map(|r| r * r).sum()
+    };
+    (0..runs).all(|run| squares(with, run) <= squares(base, run))
 }
 
 /// The mean squared error, in squared noise units, that the uncertainty of a fit's values makes one expect on held-out
