@@ -121,8 +121,8 @@ def run(plant, q, v, loads, command, duration_s, sample_s, step_s=STEP_S, comman
             y, w = x[at:at + m], x[at + m:at + 2 * m]
             given[k // per_command] = np.clip(command(k * step_s, x[:n], x[n:2 * n], y, w), -plant.limits_a, plant.limits_a)
         for i in range(m):
-            then = k - late[i]
-            current[i] = given[then // per_command, i] if then >= 0 else 0.0
+            # What was on its way when the run began is what the leg was held with: the first command.
+            current[i] = given[max(k - late[i], 0) // per_command, i]
         b.at(x[:n], x[n:2 * n])
         eq.rhs(x, dx, out, mode, load, True, current, *fixed)
         if k % per_sample == 0:

@@ -6,9 +6,10 @@
 //! again nearby.
 
 use super::Candidate;
+use super::candidate::symbol;
 use super::screen::{combinations, screen_starts};
 use crate::Error;
-use crate::data::{Data, DataRun};
+use crate::data::{Data, DataRun, Evaluation};
 use crate::fit::{self, Difference, Fit, FitOptions};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Record, Scale, Signal};
@@ -19,8 +20,14 @@ const STARTS: usize = 24;
 /// Distance of the values that are tried, in counts of the greatest command.
 const COUNTS_APART: f64 = 0.5;
 
+/// Counts up to which all values are tried; further ones only where that many leave more than there is to explain.
+const ALL_COUNTS: f64 = 800.0;
+
 /// Most counts: finer ones are no effect that a bench feels, and a needle.
-const MOST_COUNTS: f64 = 800.0;
+const MOST_COUNTS: f64 = 4000.0;
+
+/// Ratio by which the number of counts that would leave as much as there is to explain may be off.
+const ROUGHLY: f64 = 1.6;
 
 /// What is simulated for it of the run that is explained worst, s.
 const EXCERPT_S: f64 = 6.0;
@@ -31,7 +38,7 @@ const KEPT: usize = 4;
 const APART: f64 = 1.003;
 
 /// Neighbourhoods in which a value is looked for again: half-width as a ratio, and points to each side.
-const NEARBY: [(f64, i32); 3] = [(0.02, 20), (0.002, 16), (0.0002, 8)];
+const NEARBY: [(f64, i32); 5] = [(0.02, 20), (0.002, 16), (0.0002, 8), (2e-5, 8), (2e-6, 8)];
 
 /// Times that it is looked for and all others are fitted.
 const ROUNDS: usize = 3;
@@ -90,15 +97,6 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
     let excerpt = Data::from_parts(data.channels.clone(), vec![cut(run, &record)], data.floor);
     // The card's greatest value is a tenth of the greatest command.
     let peak = 10.0 * card.parameters[rugged].max;
-    let most = ((MOST_COUNTS - 10.0) / COUNTS_APART) as i32;
-    let values = (0..=most).map(|i| peak / (10.0 + COUNTS_APART * f64::from(i)));
-    let tried: Vec<Vec<f64>> = values
-        .flat_map(|value| {
-            let mut parameters = card.parameters.clone();
-            (parameters[rugged].value, parameters[rugged].starts) = (value, Vec::new());
-            combinations(&parameters, usize::MAX)
-        })
-        .collect();
     // What the base parameters can do in its place is left to them, as in all screening: without a count that it has, a
     // drive is fitted with another force constant.
     let Ok(fit) = fit::at_values(&excerpt, beside.model.as_ref(), &beside.fit.values, Difference::Forward)
@@ -106,6 +104,21 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
         return Vec::new();
     };
     let near = Candidate { fit, ..beside.clone() };
+    let mut counts = evenly(10.0, ALL_COUNTS);
+    if let Some(about) = as_many_as_explain(&excerpt, &near, seen, card, peak / ALL_COUNTS) {
+        counts.extend(evenly(
+            (about / ROUGHLY).max(ALL_COUNTS + COUNTS_APART),
+            (about * ROUGHLY).min(MOST_COUNTS),
+        ));
+    }
+    let tried: Vec<Vec<f64>> = counts
+        .into_iter()
+        .flat_map(|counts| {
+            let mut parameters = card.parameters.clone();
+            (parameters[rugged].value, parameters[rugged].starts) = (peak / counts, Vec::new());
+            combinations(&parameters, usize::MAX)
+        })
+        .collect();
     let found = screen_starts(&excerpt, &near, seen, std::slice::from_ref(card), vec![tried]);
     data.add_work(&excerpt);
     let promised = found.into_iter().flat_map(|promise| promise.starts).map(|(_, start)| start);
@@ -117,6 +130,43 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
         }
     }
     kept
+}
+
+/// Numbers of counts of the greatest command that are tried, from the first to the last.
+fn evenly(first: f64, last: f64) -> Vec<f64> {
+    let steps = ((last - first) / COUNTS_APART).floor();
+    let all = if steps < 0.0 { 0 } else { steps as i32 + 1 };
+    (0..all).map(|i| first + COUNTS_APART * f64::from(i)).collect()
+}
+
+/// About how many counts of the greatest command change as much as a candidate leaves above the noise: what a count
+/// changes is in proportion to it. They are rounded (the last start of what else an effect has), for what truncated
+/// ones change beside it a gain and an offset take up. `None` if it leaves nothing, or nothing can be simulated.
+fn as_many_as_explain(
+    data: &Data,
+    near: &Candidate,
+    seen: &Excitation,
+    card: &EffectCard,
+    count: f64,
+) -> Option<f64> {
+    let model = near.model.with_effect(&card.id, seen).ok()?;
+    let with = |count: f64| {
+        let known = near.known();
+        let value = |p: &Parameter| match symbol(&p.name, &card.id) {
+            Some(_) if is_rugged(p) => count,
+            Some(_) => p.starts.last().copied().unwrap_or(p.value),
+            None => known.iter().find(|(name, _)| *name == p.name).map_or(p.value, |k| k.1),
+        };
+        let values: Vec<f64> = model.parameters().iter().map(value).collect();
+        data.evaluate(model.as_ref(), &values).ok()
+    };
+    let (without, counted) = (with(0.0)?, with(count)?);
+    let residuals = |e: &Evaluation| e.blocks.iter().flat_map(|b| b.residual.clone()).collect::<Vec<f64>>();
+    let (without, counted) = (residuals(&without), residuals(&counted));
+    let rows = without.len().max(1) as f64;
+    let changed = without.iter().zip(&counted).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / rows;
+    let left = near.fit.error().powi(2) - data.floor.powi(2);
+    (left > 0.0 && changed > left).then(|| (changed / left).sqrt() * ALL_COUNTS)
 }
 
 /// A record up to a time.
