@@ -1,11 +1,12 @@
-//! What a verdict names and calls indistinguishable: richer laws only where the data leave open what they add, and what
-//! one moment alone has felt where it explains all of it.
+//! What a verdict names and calls indistinguishable: richer laws only where the data leave open what they add, what
+//! one moment alone has felt where it explains all of it, and a count a thousandth of the greatest command.
 
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::Bench;
 use sealegs_actuator::excitation::Profile;
 use sealegs_cli::bench_model;
 use sealegs_reference::Reference;
+use sealegs_sysid::diagnose::Diagnosis;
 use sealegs_sysid::{Campaign, diagnose};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -52,18 +53,22 @@ fn write(folder: &Path, (hidden, values): (&str, &[f64]), encoder: bool, runs: &
     std::fs::write(folder.join("campaign.toml"), campaign).unwrap();
 }
 
+fn diagnosis((hidden, encoder): ((&str, &[f64]), bool), runs: &[(&str, Vec<f64>)]) -> Diagnosis {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), hidden, encoder, runs);
+    let mut campaign = Campaign::read(folder.path()).unwrap();
+    let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
+    let options = diagnose::Options::of(&model);
+    diagnose::diagnose(&campaign, &model, &options, &|_| ()).unwrap()
+}
+
 /// What is named and what is called indistinguishable from it.
 fn diagnosed(
     hidden: (&str, &[f64]),
     encoder: bool,
     runs: &[(&str, Vec<f64>)],
 ) -> (Vec<String>, Vec<Vec<String>>) {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), hidden, encoder, runs);
-    let mut campaign = Campaign::read(folder.path()).unwrap();
-    let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
-    let options = diagnose::Options::of(&model);
-    let verdict = diagnose::diagnose(&campaign, &model, &options, &|_| ()).unwrap().verdict;
+    let verdict = diagnosis((hidden, encoder), runs).verdict;
     (verdict.effects, verdict.indistinguishable)
 }
 
@@ -118,4 +123,20 @@ fn a_limit_that_one_moment_alone_has_felt_is_named_where_it_explains_everything(
     let runs = [("fit", noise(1)), ("fit", with_a_pulse(2)), ("holdout", with_a_pulse(3))];
     let (named, tied) = diagnosed(limited, true, &runs);
     assert_eq!(named, one("current-saturation"), "{tied:?}");
+}
+
+#[test]
+fn a_fine_count_is_found_and_its_standard_error_is_the_room_that_it_has() {
+    const COUNT_A: f64 = 0.003;
+    let noise = |seed| sampled(&Profile::Noise { rms: 1.0, bandwidth_hz: 10.0, seed }, 3.0);
+    let runs = [("fit", noise(1)), ("fit", noise(2)), ("holdout", noise(3))];
+    let most = runs.iter().flat_map(|r| &r.1).fold(0.0, |m: f64, u| m.max(u.abs()));
+    assert!(most > 900.0 * COUNT_A, "{most} A is not a fine count");
+    let Diagnosis { verdict, found, .. } =
+        diagnosis((("command-quantisation", &[COUNT_A, 1.0]), true), &runs);
+    assert_eq!(verdict.effects, one("command-quantisation"));
+    let fit = &found.tried[verdict.after.index].fit;
+    let count = fit.parameters.iter().find(|p| p.name == "command-quantisation.count_a").unwrap();
+    let off = (count.value - COUNT_A).abs();
+    assert!(off < 4.0 * count.std && count.std < 1e-3 * COUNT_A, "{off} off, standard error {}", count.std);
 }

@@ -40,6 +40,11 @@ const APART: f64 = 1.003;
 /// Neighbourhoods in which a value is looked for again: half-width as a ratio, and points to each side.
 const NEARBY: [(f64, i32); 5] = [(0.02, 20), (0.002, 16), (0.0002, 8), (2e-5, 8), (2e-6, 8)];
 
+/// First shift by which the room of a value is measured, as a ratio, and the ratio of each to the one before.
+const LEAST_SHIFT: f64 = 1e-8;
+/// See [`LEAST_SHIFT`].
+const FURTHER: f64 = 1.5;
+
 /// Times that it is looked for and all others are fitted.
 const ROUNDS: usize = 3;
 
@@ -57,8 +62,8 @@ pub(super) fn held(model: &dyn Model) -> Vec<String> {
     names.filter(|n| rugged.iter().any(|effect| n.starts_with(effect.as_str()))).cloned().collect()
 }
 
-/// Fits a model, its rugged parameters held; their standard errors are those of the derivatives at the end, which see
-/// no further than the next jump.
+/// Fits a model, its rugged parameters held; the standard error of such a one is how far it can be moved until the error
+/// rises as for one standard deviation, for derivatives see no further than the next jump.
 ///
 /// # Errors
 ///
@@ -69,11 +74,36 @@ pub fn fit_holding(data: &Data, model: &dyn Model, options: &FitOptions) -> Resu
         return fit::fit(data, model, options);
     }
     let fitted = fit::fit(data, model, &FitOptions { held, ..options.clone() })?;
-    Ok(Fit {
+    let mut fit = Fit {
         steps: fitted.steps,
         converged: fitted.converged,
         ..fit::at_values(data, model, &fitted.values, options.difference)?
-    })
+    };
+    for (i, p) in model.parameters().iter().enumerate().filter(|(_, p)| is_rugged(p) && !p.fixed) {
+        fit.parameters[i].std = room(data, model, &fit, i, p);
+    }
+    Ok(fit)
+}
+
+/// How far a parameter can be moved to the side where it can go further, until the cost rises as for one standard
+/// deviation of noise that explains what is left.
+fn room(data: &Data, model: &dyn Model, fit: &Fit, index: usize, p: &Parameter) -> f64 {
+    let at = fit.values[index];
+    let most =
+        data.evaluate(model, &fit.values).map_or(fit.cost, |e| e.cost) + 0.5 * fit.error().powi(2).max(1.0);
+    let reach = |sign: f64| {
+        let shifts =
+            (0..).map(|k| at * LEAST_SHIFT * FURTHER.powi(k)).take_while(|shift| *shift < p.max - p.min);
+        shifts.map(|shift| (shift, at + sign * shift)).find_map(|(shift, value)| {
+            let mut moved = fit.values.clone();
+            moved[index] = value;
+            let risen = !(p.min..=p.max).contains(&value)
+                || data.evaluate(model, &moved).map_or(true, |e| e.cost > most);
+            risen.then_some(shift)
+        })
+    };
+    let reaches: Vec<Option<f64>> = [-1.0, 1.0].into_par_iter().map(reach).collect();
+    reaches.into_iter().map(|r| r.unwrap_or(p.max - p.min)).fold(0.0, f64::max)
 }
 
 /// Starting values of an effect with a rugged parameter that promise most on an excerpt, best first; none for other
@@ -166,7 +196,7 @@ fn as_many_as_explain(
     let rows = without.len().max(1) as f64;
     let changed = without.iter().zip(&counted).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / rows;
     let left = near.fit.error().powi(2) - data.floor.powi(2);
-    (left > 0.0 && changed > left).then(|| (changed / left).sqrt() * ALL_COUNTS)
+    (left > 0.0).then(|| (changed / left).sqrt() * ALL_COUNTS)
 }
 
 /// A record up to a time.
@@ -229,6 +259,9 @@ pub fn tuned(
             let Some(best) = (0..costs.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a }) else {
                 continue;
             };
+            if moved[best][rugged] == candidate.fit.values[rugged] {
+                continue;
+            }
             let known = candidate.named(&moved[best]);
             if let Some(better) = fitted(&candidate, &known).filter(|f| f.fit.cost < candidate.fit.cost) {
                 candidate = better;
