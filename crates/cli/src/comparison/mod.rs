@@ -12,11 +12,12 @@ pub use text::of as text;
 
 use crate::campaign_model::CampaignModel;
 use crate::failure::OrBadInput;
+use sealegs_sysid::diagnose::fit_holding;
 use sealegs_sysid::frequency::{self, ChannelResponse};
 use sealegs_sysid::locate::{Location, locate};
 use sealegs_sysid::nuisance::Sensor;
 use sealegs_sysid::structure::{self, StructureTest};
-use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, fit};
+use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role};
 
 /// The runs of one role with both evaluations.
 pub struct Part<'a> {
@@ -104,7 +105,7 @@ pub fn compare<'a>(
         let after = match (role, &fitted) {
             _ if as_is => None,
             (Role::Fit, _) => {
-                let found = fit::fit(&data, model, &FitOptions::of(model))?;
+                let found = fit_holding(&data, model, &FitOptions::of(model))?;
                 let evaluation = found.evaluation.clone();
                 fitted = Some(found);
                 Some(evaluation)

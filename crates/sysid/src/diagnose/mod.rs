@@ -190,7 +190,7 @@ pub fn diagnose(
     let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
     progress(Progress::Base);
     let coarse = base.coarser(STEPS_PER_SAMPLE);
-    let base_fit = fit::fit(&data, coarse.as_ref(), &FitOptions::of(base))?;
+    let base_fit = fit_holding(&data, coarse.as_ref(), &FitOptions::of(base))?;
     let seen = data.excitation(&base_fit.evaluation.predictions);
     let admitted: Vec<String> = base.effects(&seen).into_iter().map(|c| c.id).collect();
     let mut first = Candidate::of_base(&data, coarse.as_ref(), base_fit);

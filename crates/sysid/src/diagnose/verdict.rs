@@ -19,6 +19,13 @@ const WORTH_NAMING: f64 = 0.25;
 /// The same from which on they are named even if one of the held-out runs gains nothing.
 const MOST_OF_IT: f64 = 0.5;
 
+/// Share of what is missing that a set which does not explain the fit runs may leave on held-out runs, in units of the
+/// share that it leaves there: what bends to the runs that it was fitted to and not to others is not the law.
+const HOLDS_UP: f64 = 3.0;
+
+/// Share that it may leave on held-out runs in any case.
+const LITTLE_LEFT: f64 = 0.1;
+
 /// Mean squared error above the floor on held-out runs, in units of what the fitted values' own uncertainty makes
 /// one expect there, up to which it says nothing against the model: few directions make most of it.
 const WITHIN: f64 = 3.0;
@@ -132,8 +139,9 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
         if fits { VerdictKind::Adequate } else { VerdictKind::Unexplained }
     } else if at_floor(&chosen_holdout, EXPLAINED) {
         VerdictKind::MissingEffect
-    } else if share <= 1.0 - MOST_OF_IT
-        || (share <= 1.0 - WORTH_NAMING && helps_everywhere(&base_holdout, &chosen_holdout))
+    } else if holds_up(share, base, chosen, floor)
+        && (share <= 1.0 - MOST_OF_IT
+            || (share <= 1.0 - WORTH_NAMING && helps_everywhere(&base_holdout, &chosen_holdout)))
     {
         VerdictKind::PartlyExplained
     } else {
@@ -175,6 +183,14 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
         unexplained_share: if named { share } else { 1.0 },
         ranking: ranking.into_iter().flatten().collect(),
     })
+}
+
+/// Whether what effects gain on the fit runs holds up on the held-out ones, of whose energy a share is left.
+fn holds_up(share: f64, base: &Candidate, with: &Candidate, floor: f64) -> bool {
+    let left = |c: &Candidate| (c.fit.error().powi(2) - floor * floor).max(0.0);
+    with.fit.error() <= EXPLAINED * floor
+        || share <= LITTLE_LEFT
+        || share * left(base) <= HOLDS_UP * left(with)
 }
 
 /// Whether effects help on every held-out run: what holds up on some of them only is no law.
