@@ -35,3 +35,12 @@ fn reference_a_slice_of_the_matrix_is_right_or_tied() {
     );
     assert!(page.contains("| nothing hidden | 1 | 1 |"), "{page}");
 }
+
+#[test]
+fn reference_what_bends_to_the_fit_runs_alone_is_not_named() {
+    // A torque ripple follows a kinked spring on the runs that it is fitted to, and not at other amplitudes.
+    let folder = tempfile::tempdir().unwrap();
+    let kinked = Case { ids: vec!["kinked-spring"], rig: Rig::Locked, strength: Strength::Middle, seed: 1 };
+    let outcome = run(&kinked, 2.0 * DURATION_S, folder.path()).unwrap();
+    assert_eq!(outcome.verdict, "unexplained", "{outcome:?}");
+}
