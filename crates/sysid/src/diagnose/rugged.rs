@@ -89,11 +89,12 @@ pub fn fit_holding(data: &Data, model: &dyn Model, options: &FitOptions) -> Resu
 /// deviation of noise that explains what is left.
 fn room(data: &Data, model: &dyn Model, fit: &Fit, index: usize, p: &Parameter) -> f64 {
     let at = fit.values[index];
+    let size = at.abs().max(LEAST_SHIFT * (p.max - p.min));
     let most =
         data.evaluate(model, &fit.values).map_or(fit.cost, |e| e.cost) + 0.5 * fit.error().powi(2).max(1.0);
     let reach = |sign: f64| {
         let shifts =
-            (0..).map(|k| at * LEAST_SHIFT * FURTHER.powi(k)).take_while(|shift| *shift < p.max - p.min);
+            (0..).map(|k| size * LEAST_SHIFT * FURTHER.powi(k)).take_while(|shift| *shift < p.max - p.min);
         shifts.map(|shift| (shift, at + sign * shift)).find_map(|(shift, value)| {
             let mut moved = fit.values.clone();
             moved[index] = value;
