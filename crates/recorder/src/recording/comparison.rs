@@ -15,6 +15,10 @@ use std::collections::BTreeSet;
 
 /// Values that are sent at once.
 const CHUNK: usize = 4096;
+/// Channels whose plots fit one below the other.
+const IN_ONE_COLUMN: usize = 6;
+/// The tab of channels of no place, beside those of a leg.
+const ELSEWHERE: &str = "other";
 /// What stands beside `measured`, with its colour and width: the same as in the reports.
 const MEASURED: (&str, Color, f32) = ("measured", Color::new(0xE8, 0xEA, 0xED), 2.5);
 const BEFORE: (&str, Color, f32) = ("model_before", Color::ORANGE, 1.5);
@@ -112,36 +116,61 @@ impl Comparison {
         Ok(())
     }
 
-    /// The summary first, then a tab for each run: each channel overlaid, its residuals below.
+    /// The summary first, then a tab for each run.
     fn layout(&self) -> Part {
         let summary = View::new("TextDocument", "Summary", summary_path()).showing([summary_path()]);
         let mut pages = vec![("Summary".to_owned(), Part::View(summary))];
         for run in &self.runs {
-            let mut plots = Vec::new();
-            for channel in &run.channels {
-                let of = |names: &[&str]| {
-                    names
-                        .iter()
-                        .filter(|n| channel.curves().iter().any(|(what, _)| what.0 == **n))
-                        .map(|n| paths::path([run.name.as_str(), &channel.name, n]))
-                        .collect::<Vec<_>>()
-                };
-                let title = format!("{} [{}]", channel.name, channel.unit);
-                let overlay = of(&[MEASURED.0, BEFORE.0, AFTER.0]);
-                plots.push((2.0, Part::View(plot(title.clone(), overlay))));
-                let residuals = of(&[RESIDUAL_BEFORE.0, RESIDUAL_AFTER.0]);
-                if !residuals.is_empty() {
-                    let title = format!("residual (measured - model) of {title}");
-                    plots.push((1.0, Part::View(plot(title, residuals))));
-                }
-            }
-            pages.push((run.name.clone(), Part::Column(plots)));
+            pages.push((run.name.clone(), run.page()));
         }
         if self.runs.is_empty() {
             return Part::Tabs(pages);
         }
         let summary = pages.remove(0).1;
         Part::Row(vec![(0.3, summary), (0.7, Part::Tabs(pages))])
+    }
+}
+
+impl ComparedRun {
+    /// All channels in one column; of a leg, whose many would be a line high each, a tab for each place.
+    fn page(&self) -> Part {
+        if self.channels.len() <= IN_ONE_COLUMN {
+            return self.column(&self.channels.iter().collect::<Vec<_>>());
+        }
+        let mut places: Vec<(&str, Vec<&ComparedChannel>)> = Vec::new();
+        for channel in &self.channels {
+            let place = channel.name.split_once('.').map_or(ELSEWHERE, |(place, _)| place);
+            match places.iter_mut().find(|(name, _)| *name == place) {
+                Some((_, channels)) => channels.push(channel),
+                None => places.push((place, vec![channel])),
+            }
+        }
+        Part::Tabs(
+            places.iter().map(|(name, channels)| ((*name).to_owned(), self.column(channels))).collect(),
+        )
+    }
+
+    /// Each channel overlaid, its residuals below.
+    fn column(&self, channels: &[&ComparedChannel]) -> Part {
+        let mut plots = Vec::new();
+        for channel in channels {
+            let of = |names: &[&str]| {
+                names
+                    .iter()
+                    .filter(|n| channel.curves().iter().any(|(what, _)| what.0 == **n))
+                    .map(|n| paths::path([self.name.as_str(), &channel.name, n]))
+                    .collect::<Vec<_>>()
+            };
+            let title = format!("{} [{}]", channel.name, channel.unit);
+            let overlay = of(&[MEASURED.0, BEFORE.0, AFTER.0]);
+            plots.push((2.0, Part::View(plot(title.clone(), overlay))));
+            let residuals = of(&[RESIDUAL_BEFORE.0, RESIDUAL_AFTER.0]);
+            if !residuals.is_empty() {
+                let title = format!("residual (measured - model) of {title}");
+                plots.push((1.0, Part::View(plot(title, residuals))));
+            }
+        }
+        Part::Column(plots)
     }
 }
 
@@ -192,4 +221,32 @@ fn send(
         stream.send_columns(path.clone(), [time_column(time_s)], columns).map_err(refused)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(names: &[&str]) -> ComparedRun {
+        let channel = |name: &&str| ComparedChannel {
+            name: (*name).to_owned(),
+            measured: vec![0.0],
+            ..ComparedChannel::default()
+        };
+        ComparedRun { name: "run".into(), time_s: vec![0.0], channels: names.iter().map(channel).collect() }
+    }
+
+    #[test]
+    fn a_legs_many_channels_have_a_tab_for_each_place() {
+        let few = run(&["force_1_n", "force_2_n", "motor_angle_rad"]).page();
+        assert!(matches!(&few, Part::Column(plots) if plots.len() == 3), "{few:?}");
+        let many = ["knee.angle_rad", "base.height_m", "foot.normal_force_n", "current_a"];
+        let knee = ["knee.force_1_n", "knee.force_2_n", "knee.current_a"];
+        let Part::Tabs(tabs) = run(&[&many[..], &knee].concat()).page() else { panic!("no tabs") };
+        let shown: Vec<(&str, usize)> = tabs
+            .iter()
+            .map(|(name, part)| (name.as_str(), if let Part::Column(plots) = part { plots.len() } else { 0 }))
+            .collect();
+        assert_eq!(shown, [("knee", 4), ("base", 1), ("foot", 1), (ELSEWHERE, 1)]);
+    }
 }
