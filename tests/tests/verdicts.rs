@@ -53,7 +53,7 @@ fn write(folder: &Path, (hidden, values): (&str, &[f64]), encoder: bool, runs: &
     std::fs::write(folder.join("campaign.toml"), campaign).unwrap();
 }
 
-fn diagnosis((hidden, encoder): ((&str, &[f64]), bool), runs: &[(&str, Vec<f64>)]) -> Diagnosis {
+fn diagnosis(hidden: (&str, &[f64]), encoder: bool, runs: &[(&str, Vec<f64>)]) -> Diagnosis {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), hidden, encoder, runs);
     let mut campaign = Campaign::read(folder.path()).unwrap();
@@ -68,7 +68,7 @@ fn diagnosed(
     encoder: bool,
     runs: &[(&str, Vec<f64>)],
 ) -> (Vec<String>, Vec<Vec<String>>) {
-    let verdict = diagnosis((hidden, encoder), runs).verdict;
+    let verdict = diagnosis(hidden, encoder, runs).verdict;
     (verdict.effects, verdict.indistinguishable)
 }
 
@@ -132,8 +132,7 @@ fn a_fine_count_is_found_and_its_standard_error_is_the_room_that_it_has() {
     let runs = [("fit", noise(1)), ("fit", noise(2)), ("holdout", noise(3))];
     let most = runs.iter().flat_map(|r| &r.1).fold(0.0, |m: f64, u| m.max(u.abs()));
     assert!(most > 900.0 * COUNT_A, "{most} A is not a fine count");
-    let Diagnosis { verdict, found, .. } =
-        diagnosis((("command-quantisation", &[COUNT_A, 1.0]), true), &runs);
+    let Diagnosis { verdict, found, .. } = diagnosis(("command-quantisation", &[COUNT_A, 1.0]), true, &runs);
     assert_eq!(verdict.effects, one("command-quantisation"));
     let fit = &found.tried[verdict.after.index].fit;
     let count = fit.parameters.iter().find(|p| p.name == "command-quantisation.count_a").unwrap();

@@ -2,7 +2,7 @@
 //! say where the fit runs leave that open.
 
 use super::compare::{WORTH_SHARE, WORTH_SQUARED_NOISE, clearly_better, gain};
-use super::left::NEAR_FLOOR;
+use super::left::{NEAR_FLOOR, excess};
 use super::search::Search;
 use crate::data::Data;
 use rayon::prelude::*;
@@ -55,10 +55,9 @@ impl Search<'_> {
     /// The set, or a part of it where what the rest gains is little and nothing on the holdout runs: a ring that no fit
     /// can follow leaves a little that other effects take up, run by run.
     pub(super) fn supported(&self, holdout: &Data, best: usize) -> usize {
-        let square = self.data.floor.powi(2);
-        let (own, left) = (&self.tried[best].effects, self.tried[best].fit.error().powi(2));
-        let little = WEAK * square.max(left - square);
-        let weak = |i: usize| self.tried[i].fit.error().powi(2) - left < little;
+        let (own, floor, error) = (&self.tried[best].effects, self.data.floor, self.tried[best].fit.error());
+        let little = WEAK * floor.powi(2).max(excess(error, floor));
+        let weak = |i: usize| self.tried[i].fit.error().powi(2) - error.powi(2) < little;
         let part = |i: usize| {
             let effects = &self.tried[i].effects;
             effects.len() < own.len() && effects.iter().all(|e| own.contains(e))
@@ -67,9 +66,9 @@ impl Search<'_> {
         if parts.is_empty() {
             return best;
         }
-        let square = holdout.floor.powi(2);
-        let left = self.held_out(holdout, best).powi(2);
-        let most = left + (WORTH_SQUARED_NOISE * square).max(WORTH_SHARE * (left - square));
+        let (floor, error) = (holdout.floor, self.held_out(holdout, best));
+        let worth = (WORTH_SQUARED_NOISE * floor.powi(2)).max(WORTH_SHARE * excess(error, floor));
+        let most = error.powi(2) + worth;
         let as_good = parts.into_iter().filter(|&i| self.held_out(holdout, i).powi(2) <= most);
         as_good.min_by_key(|&i| self.tried[i].effects.len()).unwrap_or(best)
     }

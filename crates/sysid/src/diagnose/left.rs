@@ -2,6 +2,7 @@
 
 use super::search::Search;
 use super::{Candidate, with_effects};
+use crate::data::Evaluation;
 
 /// Error as a ratio of the floor below which nothing is looked for: a stated noise is rounded, an encoder's quantum
 /// is not quite noise, and the search's steps are coarse.
@@ -27,6 +28,21 @@ const MOST_OF_IT: f64 = 0.5;
 /// Error as a ratio of the least so far, where that is near the floor, beyond which a set is given up after its race.
 const HOPELESS: f64 = 5.0;
 
+/// Mean squared error above the floor, in squared noise units.
+pub(super) fn excess(error: f64, floor: f64) -> f64 {
+    (error.powi(2) - floor.powi(2)).max(0.0)
+}
+
+/// Mean squared difference of two evaluations' residuals.
+pub(super) fn mean_square_difference(a: &Evaluation, b: &Evaluation) -> f64 {
+    let (mut squares, mut rows) = (0.0, 0usize);
+    for (a, b) in a.blocks.iter().zip(&b.blocks) {
+        squares += a.residual.iter().zip(&b.residual).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
+        rows += a.residual.len();
+    }
+    squares / rows.max(1) as f64
+}
+
 impl Search<'_> {
     /// Goes on with the model's own steps where the search's are too coarse for a set (a play whose ends meet), or make
     /// most of the little that is left: the error that they leave would be explained by further effects.
@@ -37,7 +53,7 @@ impl Search<'_> {
             return;
         }
         let much_is_left = error > FAR_ABOVE * floor;
-        let excess = error.powi(2) - floor.powi(2);
+        let excess = excess(error, floor);
         let most = if much_is_left {
             (TOO_COARSE * floor * floor).max(PART_OF_IT * excess)
         } else {
@@ -63,19 +79,14 @@ impl Search<'_> {
         let exactly = with_effects(self.exact, &candidate.effects, self.seen)
             .and_then(|model| self.data.evaluate(model.as_ref(), &candidate.fit.values));
         let Ok(exactly) = exactly else { return 0.0 };
-        let (mut squares, mut rows) = (0.0, 0usize);
-        for (a, b) in exactly.blocks.iter().zip(&candidate.fit.evaluation.blocks) {
-            squares += a.residual.iter().zip(&b.residual).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
-            rows += a.residual.len();
-        }
-        squares / rows.max(1) as f64
+        mean_square_difference(&exactly, &candidate.fit.evaluation)
     }
 
     /// Whether a fit leaves no more than the noise and the error of the search's steps.
     pub(super) fn is_settled(&self, candidate: &Candidate) -> bool {
         let (error, floor) = (candidate.fit.error(), self.data.floor);
-        let excess = error.powi(2) - floor.powi(2);
-        error <= AT_FLOOR * floor || (error <= NEAR_FLOOR * floor && excess <= self.step_error(candidate))
+        let near = || error <= NEAR_FLOOR * floor && excess(error, floor) <= self.step_error(candidate);
+        error <= AT_FLOOR * floor || near()
     }
 
     /// Whether nothing is left to explain.

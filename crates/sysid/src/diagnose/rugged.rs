@@ -6,10 +6,11 @@
 //! again nearby.
 
 use super::Candidate;
-use super::candidate::symbol;
+use super::candidate::{symbol, values_by_name};
+use super::left::{excess, mean_square_difference};
 use super::screen::{combinations, screen_starts};
 use crate::Error;
-use crate::data::{Data, DataRun, Evaluation};
+use crate::data::{Data, DataRun};
 use crate::fit::{self, Difference, Fit, FitOptions};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Record, Scale, Signal};
@@ -90,8 +91,7 @@ pub fn fit_holding(data: &Data, model: &dyn Model, options: &FitOptions) -> Resu
 fn room(data: &Data, model: &dyn Model, fit: &Fit, index: usize, p: &Parameter) -> f64 {
     let at = fit.values[index];
     let size = at.abs().max(LEAST_SHIFT * (p.max - p.min));
-    let most =
-        data.evaluate(model, &fit.values).map_or(fit.cost, |e| e.cost) + 0.5 * fit.error().powi(2).max(1.0);
+    let most = fit.evaluation.cost + 0.5 * fit.error().powi(2).max(1.0);
     let reach = |sign: f64| {
         let shifts =
             (0..).map(|k| size * LEAST_SHIFT * FURTHER.powi(k)).take_while(|shift| *shift < p.max - p.min);
@@ -181,23 +181,15 @@ fn as_many_as_explain(
     count: f64,
 ) -> Option<f64> {
     let model = near.model.with_effect(&card.id, seen).ok()?;
-    let with = |count: f64| {
-        let known = near.known();
-        let value = |p: &Parameter| match symbol(&p.name, &card.id) {
-            Some(_) if is_rugged(p) => count,
-            Some(_) => p.starts.last().copied().unwrap_or(p.value),
-            None => known.iter().find(|(name, _)| *name == p.name).map_or(p.value, |k| k.1),
-        };
-        let values: Vec<f64> = model.parameters().iter().map(value).collect();
-        data.evaluate(model.as_ref(), &values).ok()
-    };
-    let (without, counted) = (with(0.0)?, with(count)?);
-    let residuals = |e: &Evaluation| e.blocks.iter().flat_map(|b| b.residual.clone()).collect::<Vec<f64>>();
-    let (without, counted) = (residuals(&without), residuals(&counted));
-    let rows = without.len().max(1) as f64;
-    let changed = without.iter().zip(&counted).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / rows;
-    let left = near.fit.error().powi(2) - data.floor.powi(2);
-    (left > 0.0).then(|| (changed / left).sqrt() * ALL_COUNTS)
+    let mut values = values_by_name(model.as_ref(), &near.known());
+    for (value, p) in values.iter_mut().zip(model.parameters()) {
+        if symbol(&p.name, &card.id).is_some() {
+            *value = if is_rugged(p) { count } else { p.starts.last().copied().unwrap_or(p.value) };
+        }
+    }
+    let counted = data.evaluate(model.as_ref(), &values).ok()?;
+    let left = excess(near.fit.error(), data.floor);
+    (left > 0.0).then(|| (mean_square_difference(&counted, &near.fit.evaluation) / left).sqrt() * ALL_COUNTS)
 }
 
 /// A record up to a time.

@@ -1,6 +1,7 @@
 //! The verdict: what the holdout runs say of the base model and of the sets that were found.
 
 use super::Candidate;
+use super::left::excess;
 use super::search::Found;
 use crate::Error;
 use crate::data::{Data, Evaluation};
@@ -124,7 +125,7 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     let chosen = &found.tried[found.chosen];
     let chosen_holdout = evaluate(chosen)?;
 
-    let excess = |e: &Evaluation| (e.rms * e.rms - floor * floor).max(0.0);
+    let excess = |e: &Evaluation| excess(e.rms, floor);
     let share = if excess(&base_holdout) > 0.0 {
         (excess(&chosen_holdout) / excess(&base_holdout)).min(1.0)
     } else {
@@ -187,7 +188,7 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
 
 /// Whether what effects gain on the fit runs holds up on the held-out ones, of whose energy a share is left.
 fn holds_up(share: f64, base: &Candidate, with: &Candidate, floor: f64) -> bool {
-    let left = |c: &Candidate| (c.fit.error().powi(2) - floor * floor).max(0.0);
+    let left = |c: &Candidate| excess(c.fit.error(), floor);
     with.fit.error() <= EXPLAINED * floor
         || share <= LITTLE_LEFT
         || share * left(base) <= HOLDS_UP * left(with)
