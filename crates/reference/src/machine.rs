@@ -86,8 +86,7 @@ impl<'a> Machine<'a> {
             }
         }
         if of.series.is_some() {
-            // The nut's share of the moving mass that the catalogue's card states.
-            put(0.15 / 294.9 * (of.rotor + of.sprung), &unit(screw_end));
+            put(of.unsprung(), &unit(screw_end));
         }
         if let Some(w) = of.wobbling {
             put(w[0], &unit(wobbling));

@@ -164,6 +164,11 @@ impl Reference {
         }
     }
 
+    /// Mass of the nut, which a series compliance carries: its share of the moving mass that the catalogue's card states.
+    pub(crate) fn unsprung(&self) -> f64 {
+        0.15 / 294.9 * (self.rotor + self.sprung)
+    }
+
     /// The same with an effect of the catalogue, by its id and its values in the order of its card.
     ///
     /// # Panics

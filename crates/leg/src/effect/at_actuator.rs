@@ -1,6 +1,7 @@
 //! The actuators' catalogue at the actuators of a leg, and their sensors' effects at every place that is measured.
 
 use super::LegSetting;
+use crate::dynamics::coupling::carries_series;
 use crate::simulation::{actuator_coefficients, actuator_spec};
 use sealegs_actuator::effect::{ActuatorKind, Effect, Scope, Setting, ids};
 use sealegs_actuator::plant::Plant;
@@ -8,11 +9,13 @@ use sealegs_actuator::{ActuatorSpec, Coefficients, Kind};
 use sealegs_model::{EffectCard, Excitation, Parameter, SignalRange, internal};
 
 /// Effects of the actuators' catalogue that a leg's coupling cannot carry, and why.
-pub const NOT_ON_A_LEG: [(&str, &str); 3] = [
-    ("series-compliance", "the coupling has no coordinate between screw and link 2"),
+pub const NOT_ON_A_LEG: [(&str, &str); 2] = [
     ("wobbling-mass", "the engine would need a further body; a link's mass and its centre are 'link-mass'"),
     ("output-friction", "a leg has it at its joints, not along an actuator"),
 ];
+
+/// The effect that needs a place between screw and link 2.
+const SERIES_COMPLIANCE: &str = "series-compliance";
 
 /// Most starting values of one parameter, and only one parameter of an effect has them: a simulation of a leg is
 /// dear.
@@ -79,6 +82,10 @@ pub(super) fn ids_at(effect: &dyn Effect, place: &str, leg: &LegSetting, setting
     }
     let mut ids = ids(effect, setting);
     ids.retain(|id| NOT_ON_A_LEG.iter().all(|(not, _)| not != id));
+    let carries = actuator(place, leg).is_some_and(|(spec, _)| carries_series(spec.configuration));
+    if !carries {
+        ids.retain(|id| id != SERIES_COMPLIANCE);
+    }
     ids
 }
 

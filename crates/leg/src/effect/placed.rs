@@ -7,7 +7,7 @@ use crate::error::nearest;
 use crate::scenario::Scenario;
 use sealegs_actuator::Coefficients;
 use sealegs_actuator::effect::{self, Effect, OwnEffect};
-use sealegs_actuator::plant::Laws;
+use sealegs_actuator::plant::Plant;
 use sealegs_model::{EffectCard, Excitation};
 use std::sync::Arc;
 
@@ -85,7 +85,7 @@ impl Placed {
         Self { effect, place: place.to_owned(), channel, values }
     }
 
-    /// Puts one of the leg's own effects in; those of actuators wait for [`laws`].
+    /// Puts one of the leg's own effects in; those of actuators wait for [`at_place`].
     pub fn install(&self, leg: &mut Build) {
         if let EffectRef::Leg(effect) = &self.effect {
             effect.install(&self.values, &self.place, leg);
@@ -93,15 +93,15 @@ impl Placed {
     }
 }
 
-/// The laws that effects make at a place, with an actuator's numbers where it is one.
-pub(crate) fn laws(effects: &[Placed], place: &str, actuator: Option<(&Coefficients, f64)>) -> Laws {
+/// What effects make of a place, as an actuator on its own, with the numbers of the one that is there.
+pub(crate) fn at_place(effects: &[Placed], place: &str, actuator: Option<(&Coefficients, f64)>) -> Plant {
     let mut plant = at_actuator::plant(actuator);
     for placed in effects.iter().filter(|e| e.place == place) {
         if let Some(effect) = placed.effect.at_actuator() {
             effect.install(&placed.values, placed.channel.as_deref(), &mut plant);
         }
     }
-    plant.laws
+    plant
 }
 
 /// The effects that a scenario's file names.

@@ -104,15 +104,16 @@ impl Simulation {
             Parts::new(scenario, robot, known)?;
         let mut sensor_stages = Vec::new();
         for (actuator, model) in actuators.iter_mut().zip(&leg.actuators) {
-            let mut laws =
-                effect::laws(effects, &model.name, Some((&model.coefficients, model.travel_per_rad)));
-            sensor_stages.push((model.name.clone(), std::mem::take(&mut laws.sensor_stages)));
-            actuator.laws = laws;
+            let mut made =
+                effect::at_place(effects, &model.name, Some((&model.coefficients, model.travel_per_rad)));
+            sensor_stages.push((model.name.clone(), std::mem::take(&mut made.laws.sensor_stages)));
+            actuator.set_series(made.series);
+            actuator.laws = made.laws;
         }
         for placed in effects {
             if !sensor_stages.iter().any(|(place, _)| *place == placed.place) {
-                let laws = effect::laws(effects, &placed.place, None);
-                sensor_stages.push((placed.place.clone(), laws.sensor_stages));
+                let made = effect::at_place(effects, &placed.place, None);
+                sensor_stages.push((placed.place.clone(), made.laws.sensor_stages));
             }
         }
         let controller = Controller::new(scenario, &leg, &start_q, known_bodies)?;

@@ -22,7 +22,8 @@ impl Machine<'_> {
         may_break: bool,
     ) -> ([f64; MOST], [f64; MOST_ACTUATORS]) {
         let (mut a, mut f) = (system.smooth, [0.0; MOST_ACTUATORS]);
-        let rubbing: Vec<(usize, [f64; MOST])> = self.rubbing().map(|i| (i, system.mobility(i))).collect();
+        let rubbing: Vec<(usize, [f64; MOST])> =
+            self.rubbing().map(|i| (i, system.mobility(self.of.bodies + i))).collect();
         for _ in 0..400 {
             let mut change = 0.0;
             for (i, by) in &rubbing {

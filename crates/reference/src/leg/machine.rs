@@ -27,6 +27,8 @@ struct Cells {
     /// less gravity.
     carrier: Row,
     felt: f64,
+    /// Force of the compliance between screw and link 2, if there is one.
+    series: Option<f64>,
 }
 
 /// All accelerations as far as they follow from smooth forces, and how dry friction changes them.
@@ -43,16 +45,19 @@ pub(super) struct System {
 }
 
 impl System {
-    /// Accelerations per unit of a force on a screw.
-    pub fn mobility(&self, actuator: usize) -> [f64; MOST] {
+    /// Accelerations per unit of a force on a coordinate.
+    pub fn mobility(&self, coordinate: usize) -> [f64; MOST] {
         let mut unit = [0.0; MOST];
-        unit[self.bodies + actuator] = 1.0;
+        unit[coordinate] = 1.0;
         self.factor.solve(unit)
     }
 
     /// Forces of the load cells on link 1 and link 2 at given accelerations, N.
     pub fn forces(&self, actuator: usize, acceleration: &[f64; MOST]) -> [f64; 2] {
         let c = &self.cells[actuator];
+        if let Some(force) = c.series {
+            return [c.spring, force];
+        }
         let carried = dot(&c.carrier, &acceleration[..self.bodies]) + c.felt;
         [c.spring, c.spring + c.sprung * (acceleration[self.bodies + actuator] - carried)]
     }
@@ -162,16 +167,42 @@ impl Machine<'_> {
         let (end_1, end_2) = (bodies[placement.link_1].at(&p1), bodies[placement.link_2].at(&p2));
         let (along_1, along_2) = (along(&u, &end_1.by), along(&u, &end_2.by));
         let rate = u.dot(&(end_2.velocity - end_1.velocity));
-        let spring = part.spring_force(s.x[row] - (length - self.rest[i]), s.v[row] - rate);
+        let (end, end_rate) = of.screw_end(i).map_or((0.0, 0.0), |e| (s.x[e], s.v[e]));
+        let spring = part.spring_force(s.x[row] - end - (length - self.rest[i]), s.v[row] - end_rate - rate);
         for k in 0..n {
             to.f[k] += spring * (along_2[k] - along_1[k]);
             to.a[k][row] -= part.sprung * along_2[k];
             to.a[row][k] -= part.sprung * along_2[k];
         }
         let felt = u.dot(&(end_2.bias - of.gravity));
+        let series = self.screw_end(i, s, spring, &along_2, felt, to);
         to.a[row][row] += part.rotor + part.sprung;
         to.f[row] += part.on_screw(motor, s.x[row], s.v[row]) - spring + part.sprung * felt;
-        Cells { spring, sprung: part.sprung, carrier: along_2, felt }
+        Cells { spring, sprung: part.sprung, carrier: along_2, felt, series }
+    }
+
+    /// Adds the row of a screw's end on its compliance, with the unsprung mass, which a leg has in its link 2; returns the compliance's force: `(m_p + m_u) (s'' + carrier + felt) - m_p y'' = spring - k s`.
+    fn screw_end(
+        &self,
+        i: usize,
+        s: &State,
+        spring: f64,
+        carrier: &Row,
+        felt: f64,
+        to: &mut Equations,
+    ) -> Option<f64> {
+        let (part, row, end) = (&self.of.parts[i], self.of.bodies + i, self.of.screw_end(i)?);
+        let force = part.series? * s.x[end];
+        let moving = part.sprung + part.unsprung();
+        to.a[end][end] += moving;
+        to.a[end][row] -= part.sprung;
+        to.a[row][end] -= part.sprung;
+        for k in 0..self.of.bodies {
+            to.a[end][k] += moving * carrier[k];
+            to.a[k][end] += moving * carrier[k];
+        }
+        to.f[end] += spring - force - moving * felt;
+        Some(force)
     }
 
     /// Adds an actuator that turns a joint through a linkage, its sprung mass at the mount:
@@ -198,7 +229,8 @@ impl Machine<'_> {
         let end_1 = bodies[placement.link_1].at(&p1);
         let along_1 = along(&u, &end_1.by);
         let rate = arm * s.v[column];
-        let spring = part.spring_force(s.x[row] - (length - self.rest[i]), s.v[row] - rate);
+        let (end, end_rate) = of.screw_end(i).map_or((0.0, 0.0), |e| (s.x[e], s.v[e]));
+        let spring = part.spring_force(s.x[row] - end - (length - self.rest[i]), s.v[row] - end_rate - rate);
         let felt = u.dot(&(end_1.bias - of.gravity));
         let m = part.sprung;
         let known = spring - m * (turning + felt);
@@ -217,7 +249,9 @@ impl Machine<'_> {
         }
         let mut carrier = along_1;
         carrier[column] += arm;
-        Cells { spring, sprung: m, carrier, felt: felt + turning }
+        let felt = felt + turning;
+        let series = self.screw_end(i, s, spring, &carrier, felt, to);
+        Cells { spring, sprung: m, carrier, felt, series }
     }
 
     /// Length, its rate, and moment arms of each actuator over the bodies' coordinates, at the state.

@@ -27,6 +27,9 @@ pub struct Instant {
     pub ground: f64,
 }
 
+/// Rounds in which the screws' ends come to rest at the start; each leaves a small part of what was left.
+const START_ROUNDS: usize = 12;
+
 /// Deflection at which a spring carries a force, m: its law grows with deflection, and is halved to it.
 fn deflection_under(part: &crate::Reference, force: f64) -> f64 {
     if force == 0.0 {
@@ -64,6 +67,7 @@ impl LegReference {
             // A joint that starts in motion has moved its motor.
             state.v[n + i] = rate;
         }
+        self.rest_screw_ends(&mut machine, &mut state)?;
         let steps = (self.scenario.duration_s / step_s - 1e-6).ceil() as usize;
         let per_command = (1.0 / (self.scenario.controller.rate_hz * step_s)).round().max(1.0) as usize;
         let per_sample = (period_s / step_s).round().max(1.0) as usize;
@@ -91,6 +95,25 @@ impl LegReference {
             }
         }
         Ok(seen)
+    }
+
+    /// Lets the screws' ends begin where nothing accelerates them, each spring under its load.
+    fn rest_screw_ends(&self, machine: &mut Machine, state: &mut State) -> Result<(), LegError> {
+        let (n, count, first) = (self.bodies, self.parts.len(), usize::from(self.rail));
+        let ends: Vec<(usize, usize)> =
+            (0..count).filter_map(|i| self.screw_end(i).map(|end| (i, end))).collect();
+        for _ in 0..if ends.is_empty() { 0 } else { START_ROUNDS } {
+            let currents = self.command(0.0, &state.x[first..n], &state.v[n..n + count])?;
+            let system = machine.system(state, &currents);
+            let acceleration = machine.accelerate(state, &system, &machine.modes(state, &currents));
+            for &(i, end) in &ends {
+                let force = acceleration[end] / system.mobility(end)[end];
+                let more = self.parts[i].series.map_or(0.0, |stiffness| force / stiffness);
+                state.x[end] += more;
+                machine.rest[i] += more;
+            }
+        }
+        Ok(())
     }
 
     fn instant(&self, machine: &Machine, state: &State, currents: &[f64], commanded: &[f64]) -> Instant {

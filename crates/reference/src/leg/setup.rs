@@ -203,7 +203,17 @@ impl LegReference {
                 };
             }
         }
+        let ends = self.parts.iter().filter(|part| part.series.is_some()).count();
+        self.count = self.bodies + self.parts.len() + ends;
+        assert!(self.count <= MOST, "no room for so many compliances");
         self
+    }
+
+    /// The coordinate of an actuator's screw end against link 2, if a compliance lets it move.
+    pub(super) fn screw_end(&self, actuator: usize) -> Option<usize> {
+        let compliant = |part: &Reference| part.series.is_some();
+        let before = self.parts[..actuator].iter().filter(|part| compliant(part)).count();
+        compliant(&self.parts[actuator]).then_some(self.bodies + self.parts.len() + before)
     }
 
     /// The places of actuators, in the robot's order.

@@ -2,9 +2,10 @@
 
 use super::path::{Path, Reach};
 use super::rotor::{Rotor, RotorStep};
+use super::screw_end::{ScrewEnd, ScrewEndStep};
 use crate::dynamics::engine::Engine;
 use nalgebra::{Point3, Vector3};
-use sealegs_actuator::plant::Laws;
+use sealegs_actuator::plant::{Laws, SeriesCompliance};
 use sealegs_actuator::{Coefficients, Configuration};
 
 /// One actuator in the leg. See the [module](super) for the equations.
@@ -18,6 +19,8 @@ pub(crate) struct Actuator {
     /// Length at which the spring is unloaded with the screw at `y = 0`, m.
     pub(super) rest_length_m: f64,
     pub(super) rotor: Rotor,
+    /// The screw's end, where it is no rigid part of link 2.
+    pub(super) screw_end: Option<ScrewEnd>,
     /// Lumped model only: spring deflection and its speed half a step before, m and m/s.
     pub(super) lumped: (f64, f64),
     /// Force of the slipping element beside the spring, N.
@@ -93,7 +96,7 @@ pub(crate) struct ActuatorPower {
     pub sprung_mass: f64,
     /// Not a power: kinetic energy of rotor and sprung mass beside what the engine counts, J.
     pub kinetic_j: f64,
-    /// Not a power: energy in the linear spring, J.
+    /// Not a power: energy in the linear spring and in a series compliance, J.
     pub spring_j: f64,
 }
 
@@ -106,6 +109,7 @@ impl Actuator {
             path,
             rest_length_m: reach.length_m,
             rotor: Rotor::default(),
+            screw_end: None,
             lumped: (0.0, 0.0),
             spring_slip_n: 0.0,
             deflection_before_m: 0.0,
@@ -162,6 +166,10 @@ impl Actuator {
         self.reach = self.path.reach(engine);
         let deflection = self.deflection_under(spring_n);
         self.rest_length_m = self.reach.length_m + deflection;
+        if let Some(end) = &mut self.screw_end {
+            end.start(&start.screw_end);
+            self.rest_length_m += end.compressed_m;
+        }
         let back = |acceleration: f64, half_steps: f64| -0.5 * half_steps * step_s * acceleration;
         let rotor_rate = self.reach.rate_m_s;
         self.rotor = Rotor {
@@ -210,7 +218,9 @@ impl Actuator {
         } else {
             self.rotor.y_m - (self.reach.length_m - self.rest_length_m)
         };
-        let deflecting = speed - rate;
+        let end = self.screw_end.as_ref().map_or((0.0, 0.0), |end| (end.compressed_m, end.speed_now()));
+        let deflection = deflection - end.0;
+        let deflecting = speed - rate - end.1;
         let mut spring =
             self.laws.spring_force_over(c.stiffness, deflection, deflecting, deflecting * step_s);
         if let Some(element) = self.laws.spring_slip {
@@ -224,6 +234,9 @@ impl Actuator {
         let y_m = self.rotor.y_m;
         let (on_1, on_2, rotor) = match (c.configuration, &self.path) {
             (Configuration::Lumped, _) => self.apply_lumped(push, spring, speed, step_s),
+            (Configuration::SprungMotorHousing, _) if self.screw_end.is_some() => {
+                self.apply_with_screw_end(engine, push, spring, felt, step_s)
+            }
             (Configuration::SprungMotorHousing, Path::Rod { .. }) => {
                 let force = push - spring + c.sprung_mass * felt;
                 let step = self.advance_rotor(force, step_s);
@@ -251,15 +264,15 @@ impl Actuator {
     }
 
     fn advance_rotor(&mut self, force: f64, step_s: f64) -> RotorStep {
-        let c = self.coefficients;
-        self.rotor.advance(
-            c.reflected_inertia + c.sprung_mass,
-            c.damping,
+        self.advance_rotor_of(
+            self.coefficients.reflected_inertia + self.coefficients.sprung_mass,
             force,
-            self.load_n,
-            &self.laws,
             step_s,
         )
+    }
+
+    pub(super) fn advance_rotor_of(&mut self, mass: f64, force: f64, step_s: f64) -> RotorStep {
+        self.rotor.advance(mass, self.coefficients.damping, force, self.load_n, &self.laws, step_s)
     }
 
     /// The conventional model: all of `m_T` moves with the spring, relative to link 1.
@@ -299,6 +312,7 @@ impl Actuator {
         self.lengths_m = [now, next];
 
         let lumped = self.is_lumped();
+        let end = self.screw_end.as_ref().map(|end| end.step).unwrap_or_default();
         let screw_speed = if lumped { rotor.speed + length_rate } else { rotor.speed };
         if lumped {
             self.rotor.y_m = self.lumped.0 + self.reach.length_m - self.rest_length_m;
@@ -307,6 +321,7 @@ impl Actuator {
         let felt = was.direction.dot(&(self.acceleration - gravity));
         let (force_1, force_2) = match (c.configuration, &self.path) {
             (Configuration::Lumped, _) => (spring_n, spring_n + c.total_mass() * rotor.acceleration),
+            (Configuration::SprungMotorHousing, _) if self.screw_end.is_some() => (spring_n, end.force_n),
             (Configuration::SprungMotorHousing, Path::Rod { .. }) => {
                 (spring_n, spring_n + c.sprung_mass * (rotor.acceleration - felt))
             }
@@ -324,8 +339,8 @@ impl Actuator {
         let along = was.direction.dot(&velocity);
         // Speed of the sprung mass relative to the attachment with which the engine moves it.
         let relative = match (c.configuration, &self.path) {
-            (Configuration::SprungMotorHousing, Path::Rod { .. }) => -screw_speed,
-            (Configuration::SprungMotorHousing, Path::Crank { .. }) => length_rate - screw_speed,
+            (Configuration::SprungMotorHousing, Path::Rod { .. }) => end.speed - screw_speed,
+            (Configuration::SprungMotorHousing, Path::Crank { .. }) => length_rate + end.speed - screw_speed,
             (Configuration::SprungBallNut, _) => screw_speed,
             (Configuration::Lumped, _) => screw_speed - length_rate,
         };
@@ -339,13 +354,25 @@ impl Actuator {
             let rotor = 0.5 * c.reflected_inertia * screw_speed * screw_speed;
             (work, rotor + m * relative * (0.5 * relative + along))
         };
+        // The unsprung mass is a part of link 2, and what it has beyond link 2's own motion is counted here.
+        let (unsprung, series_j) = self.screw_end.as_ref().map_or((0.0, 0.0), |end| {
+            let SeriesCompliance { stiffness, mass } = end.compliance;
+            (mass, 0.5 * end.step.force_n * end.step.force_n / stiffness)
+        });
+        let carried = match &self.path {
+            Path::Rod { .. } => along,
+            Path::Crank { .. } => along + length_rate,
+        };
+        let sprung_mass =
+            sprung_mass + unsprung * end.speed * (was.direction.dot(gravity) + turning.dot(&velocity));
+        let kinetic_j = kinetic_j + unsprung * end.speed * (0.5 * end.speed + carried);
         let power = ActuatorPower {
             motor: motor_n * screw_speed,
             rotor_losses: (rotor.friction_n - c.damping * screw_speed) * screw_speed,
-            spring_losses: -(spring_n - c.stiffness * deflection_m) * (screw_speed - length_rate),
+            spring_losses: -(spring_n - c.stiffness * deflection_m) * (screw_speed - length_rate - end.speed),
             sprung_mass,
             kinetic_j,
-            spring_j: 0.5 * c.stiffness * deflection_m * deflection_m,
+            spring_j: 0.5 * c.stiffness * deflection_m * deflection_m + series_j,
         };
         let instant = ActuatorInstant {
             current_a,
@@ -370,6 +397,7 @@ impl Actuator {
             rotor: self.applied.rotor.acceleration,
             length: self.length_acceleration,
             attachment: self.acceleration,
+            screw_end: self.screw_end.as_ref().map(|end| end.step).unwrap_or_default(),
         }
     }
 }
@@ -383,4 +411,6 @@ pub(crate) struct ActuatorStart {
     pub length: f64,
     /// Of the sprung mass' attachment, m/s^2.
     pub attachment: Vector3<f64>,
+    /// What a screw's end on a compliance did.
+    pub screw_end: ScrewEndStep,
 }

@@ -23,6 +23,8 @@
 //! the part of its inertia that goes with the joint's acceleration, `m_p (dx/dq)^2`, is set as the engine's
 //! armature of that joint, the mount's acceleration along the axis is taken one step late.
 //!
+//! A compliance between screw and link 2 adds a coordinate to a sprung motor housing: see `screw_end`.
+//!
 //! Modelling choice: across the axis the sprung mass of a rod sits at the screw side's attachment. Put half
 //! way along the actuator instead, the peak ground force of a drop is 9 % lower.
 
@@ -30,9 +32,11 @@ mod actuator;
 mod curve;
 mod path;
 mod rotor;
+mod screw_end;
 
 pub use actuator::ActuatorInstant;
 pub(crate) use actuator::{Actuator, ActuatorPower, ActuatorStart};
+pub(crate) use screw_end::carries_series;
 
 use crate::dynamics::engine::Engine;
 use crate::dynamics::tree::Tree;

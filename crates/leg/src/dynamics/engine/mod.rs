@@ -280,20 +280,28 @@ impl Engine {
         direction: &Vector3<f64>,
         out: &mut [f64],
     ) {
-        out.fill(0.0);
-        for (sign, body, point) in [(-1.0, body_1, point_1), (1.0, body_2, point_2)] {
-            let j = self.jacobian(body);
-            let arm = (point - self.states[body].com).cross(direction);
-            for (column, value) in out.iter_mut().enumerate() {
-                *value += sign
-                    * (direction.x * j[(0, column)]
-                        + direction.y * j[(1, column)]
-                        + direction.z * j[(2, column)]
-                        + arm.x * j[(3, column)]
-                        + arm.y * j[(4, column)]
-                        + arm.z * j[(5, column)]);
-            }
+        let (from, to) = (
+            self.point_gradient(body_1, point_1, direction),
+            self.point_gradient(body_2, point_2, direction),
+        );
+        for ((value, from), to) in out.iter_mut().zip(from).zip(to) {
+            *value = to - from;
         }
+    }
+
+    /// The gradient of a body's point along a direction with respect to the coordinates.
+    pub fn point_gradient(&self, body: usize, point: &Point3<f64>, direction: &Vector3<f64>) -> Vec<f64> {
+        let j = self.jacobian(body);
+        let arm = (point - self.states[body].com).cross(direction);
+        let along = |column: usize| {
+            direction.x * j[(0, column)]
+                + direction.y * j[(1, column)]
+                + direction.z * j[(2, column)]
+                + arm.x * j[(3, column)]
+                + arm.y * j[(4, column)]
+                + arm.z * j[(5, column)]
+        };
+        (0..self.coordinates()).map(along).collect()
     }
 
     /// World axis of the joint that carries a body.

@@ -2,11 +2,11 @@
 
 use super::Engine;
 use crate::robot::Inertial;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 impl Engine {
     /// The mass matrix of the bodies at the present poses, in the engine's order (without armature): for
-    /// energies at the recorded samples only.
+    /// energies at the recorded samples, and where a step needs a [mobility](Engine::mobility).
     pub fn mass_matrix(&self) -> DMatrix<f64> {
         let n = self.coordinates();
         let mut mass = DMatrix::zeros(n, n);
@@ -18,6 +18,14 @@ impl Engine {
             mass += linear.transpose() * linear * self.mass_kg[i] + angular.transpose() * turned * angular;
         }
         mass
+    }
+
+    /// Acceleration of a body's point along a direction per unit of a force on it in that direction, 1/kg (without
+    /// armature).
+    pub fn mobility(&self, body: usize, point: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
+        let along = DVector::from_vec(self.point_gradient(body, point, direction));
+        let factor = self.mass_matrix().cholesky();
+        factor.map_or(0.0, |factor| along.dot(&factor.solve(&along)))
     }
 
     /// Potential energy of the bodies, zero at world height 0, J.
