@@ -18,13 +18,24 @@ pub struct EffectCard {
     pub validity: String,
     /// Where the law comes from.
     pub reference: String,
-    /// Its parameters with guesses that suit the excitation seen. A parameter called `phase_rad` says that the
+    /// Its parameters with guesses that suit the excitation seen. A parameter called [`EffectCard::PHASE`] says that the
     /// effect is periodic: a negative amplitude is the same as a positive one half a turn on.
     pub parameters: Vec<Parameter>,
     /// Whether it can only take mechanical energy out or store it.
     pub passive: bool,
     /// A simpler law that it becomes at certain values of its parameters.
     pub becomes: Option<SimplerLaw>,
+}
+
+impl EffectCard {
+    /// The parameter that makes an effect periodic.
+    pub const PHASE: &'static str = "phase_rad";
+
+    /// Whether the effect repeats with some coordinate; see [`EffectCard::parameters`].
+    #[must_use]
+    pub fn is_periodic(&self) -> bool {
+        self.parameters.iter().any(|p| p.name == Self::PHASE)
+    }
 }
 
 /// A law that another one contains.

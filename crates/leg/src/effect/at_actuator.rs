@@ -89,9 +89,13 @@ pub(super) fn ids_at(effect: &dyn Effect, place: &str, leg: &LegSetting, setting
     ids
 }
 
-/// The card of an effect of the actuators' catalogue, with few starting values.
+/// The card of an effect of the actuators' catalogue, with few starting values; a periodic one keeps all its periods,
+/// between which no search finds its way.
 pub(super) fn card(effect: &dyn Effect, setting: &Setting) -> EffectCard {
     let card = effect.card(setting);
+    if card.is_periodic() {
+        return card;
+    }
     EffectCard { parameters: few_starts(card.parameters), ..card }
 }
 

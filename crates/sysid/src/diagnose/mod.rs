@@ -52,6 +52,8 @@ pub struct Options {
     pub starts_first: usize,
     /// Periodic effects, the most promising ones, that are fitted for a few steps before they are ranked.
     pub periodic_raced: usize,
+    /// Starting values of each that are.
+    pub periods_raced: usize,
     /// Starting values of a set that are fitted.
     pub starts_fitted: usize,
     /// Single effects that are fitted.
@@ -84,6 +86,7 @@ impl Default for Options {
             starts_later: 60,
             starts_first: usize::MAX,
             periodic_raced: usize::MAX,
+            periods_raced: usize::MAX,
             starts_fitted: 2,
             shortlist: 12,
             shortlist_later: 8,
@@ -111,6 +114,7 @@ impl Options {
             starts_later: 6,
             starts_first: 2,
             periodic_raced: 6,
+            periods_raced: 6,
             starts_fitted: 1,
             // Steps are cheap, derivatives are not.
             race_steps: 8,

@@ -22,8 +22,8 @@ const TOGETHER: usize = 8;
 /// How far an amplitude is trusted beyond the value that was simulated.
 const FARTHEST: f64 = 3.0;
 
-/// The parameter that makes an effect periodic; see [`EffectCard::parameters`].
-pub(super) const PHASE: &str = "phase_rad";
+/// The parameter that makes an effect periodic.
+pub(super) const PHASE: &str = EffectCard::PHASE;
 
 /// What screening found of one effect.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +61,9 @@ const DENSE: usize = 200;
 /// Effects that get all their starting values where each gets few at first.
 const LEADERS: usize = 24;
 
+/// Periodic effects that get all their periods then.
+const PERIODIC_LEADERS: usize = 3;
+
 /// Screens effects beside a candidate.
 ///
 /// The result is in the order of `cards`; an effect that cannot be simulated promises nothing.
@@ -84,6 +87,20 @@ pub fn screen(
             all[i].iter().filter(|s| !first.contains(s)).cloned().collect()
         };
         let rest = (0..cards.len()).map(|i| if leads(i) { others(i) } else { Vec::new() }).collect();
+        for (promise, more) in promises.iter_mut().zip(screen_starts(data, beside, seen, cards, rest)) {
+            promise.take_in(more.starts);
+        }
+        // From one period no search finds its way to the next: where most effects get few starting values, those
+        // that repeat and promise most get all periods.
+        let mut periodic: Vec<usize> = (0..cards.len()).filter(|&i| cards[i].is_periodic()).collect();
+        periodic.sort_by(|&a, &b| promises[b].drop.total_cmp(&promises[a].drop));
+        periodic.truncate(PERIODIC_LEADERS);
+        let others = |i: usize| {
+            let every = combinations(&cards[i].parameters, usize::MAX);
+            every.into_iter().filter(|s| !all[i].contains(s)).collect()
+        };
+        let rest =
+            (0..cards.len()).map(|i| if periodic.contains(&i) { others(i) } else { Vec::new() }).collect();
         for (promise, more) in promises.iter_mut().zip(screen_starts(data, beside, seen, cards, rest)) {
             promise.take_in(more.starts);
         }
@@ -249,7 +266,14 @@ const RACE_STEPS: usize = 2;
 
 /// A second opinion on a periodic effect, whose promise at a wrong amplitude says little where the rotor sticks
 /// and slips: every period is fitted for a few steps with all else held, and the starts are ranked by that.
-pub fn race_periodic(data: &Data, beside: &Candidate, seen: &Excitation, promise: Promise) -> Promise {
+/// Of the periods at most `most`, those that promise most.
+pub fn race_periodic(
+    data: &Data,
+    beside: &Candidate,
+    seen: &Excitation,
+    promise: Promise,
+    most: usize,
+) -> Promise {
     let is_phase = |name: &str| symbol(name, &promise.effect) == Some(PHASE);
     let Some((_, first)) = promise.starts.first() else { return promise };
     if !first.iter().any(|(name, _)| is_phase(name)) {
@@ -271,6 +295,7 @@ pub fn race_periodic(data: &Data, beside: &Candidate, seen: &Excitation, promise
             entered.push(start);
         }
     }
+    entered.truncate(most);
     let mut raced: Vec<(f64, Vec<(String, f64)>)> = entered
         .par_iter()
         .map(|(drop, start)| {

@@ -167,7 +167,8 @@ impl Search<'_> {
             let mut order: Vec<usize> = (0..promises.len()).collect();
             order.sort_by(|&a, &b| promises[b].drop.total_cmp(&promises[a].drop));
             for i in order.into_iter().take(self.options.periodic_raced) {
-                promises[i] = race_periodic(self.data, beside, self.seen, promises[i].clone());
+                let (promise, most) = (promises[i].clone(), self.options.periods_raced);
+                promises[i] = race_periodic(self.data, beside, self.seen, promise, most);
             }
         }
         self.screened.push((from, promises.clone()));
