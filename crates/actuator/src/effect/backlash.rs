@@ -6,7 +6,7 @@ use crate::plant::{Plant, SpringPath};
 use sealegs_model::EffectCard;
 
 /// The widest gap where the output moves, in deflections.
-const WIDEST_WHERE_OUTPUT_MOVES: f64 = 30.0;
+const WIDEST_WHERE_OUTPUT_MOVES: f64 = 100.0;
 
 /// Play in line with the spring: a dead zone in deflection.
 #[derive(Debug)]
@@ -20,7 +20,7 @@ impl Effect for Backlash {
         let widest = if setting.output_moves { WIDEST_WHERE_OUTPUT_MOVES } else { 2.0 };
         let parameters = vec![with_starts(
             setting.amount("gap", Quantity::Length, 0.02 * length, widest * length),
-            [0.1, 0.4, 2.0, 8.0].map(|share| share * length),
+            [0.1, 0.4, 2.0, 8.0, 30.0].map(|share| share * length),
         )];
         EffectCard {
             id: "backlash".to_owned(),

@@ -113,8 +113,8 @@ impl Options {
             starts: 12,
             starts_later: 6,
             starts_first: 2,
-            periodic_raced: 6,
-            periods_raced: 6,
+            periodic_raced: 3,
+            periods_raced: 4,
             starts_fitted: 1,
             // Steps are cheap, derivatives are not.
             race_steps: 8,

@@ -189,6 +189,18 @@ impl Fit {
         self.evaluation.rms
     }
 
+    /// Values where each free parameter's coordinate is moved by so much, inside its bounds and no further than a search
+    /// goes at once.
+    pub(crate) fn shifted(&self, model: &dyn Model, shift: &[f64]) -> Vec<f64> {
+        let coordinates = Coordinates { free: self.free.clone(), ..Coordinates::new(model.parameters()) };
+        let mut u = coordinates.coordinates(&self.values);
+        for (k, u) in u.iter_mut().enumerate() {
+            let most = coordinates.largest_step(k);
+            *u += shift[k].clamp(-most, most);
+        }
+        coordinates.values(&u, &self.values)
+    }
+
     /// The sensors, channel by channel.
     #[must_use]
     pub fn sensors(&self) -> &[Sensor] {
