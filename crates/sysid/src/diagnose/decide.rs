@@ -2,7 +2,7 @@
 //! say where the fit runs leave that open.
 
 use super::compare::{WORTH_SHARE, WORTH_SQUARED_NOISE, clearly_better, gain};
-use super::left::{NEAR_FLOOR, excess};
+use super::left::{FAR_ABOVE, NEAR_FLOOR, excess};
 use super::search::Search;
 use crate::data::Data;
 use rayon::prelude::*;
@@ -16,6 +16,10 @@ const WEAK: f64 = 0.1;
 
 /// Ratio of errors on holdout runs up to which these do not decide between sets that the fit runs leave open.
 const HELD_OUT_ALIKE: f64 = 1.1;
+
+/// Share of what is missing without it, on the holdout runs, that each effect of several takes where together they are
+/// far from explaining everything: flexible laws share out among them what none of them is.
+const EARNS: f64 = 0.5;
 
 impl Search<'_> {
     /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are
@@ -71,6 +75,29 @@ impl Search<'_> {
         let most = error.powi(2) + worth;
         let as_good = parts.into_iter().filter(|&i| self.held_out(holdout, i).powi(2) <= most);
         as_good.min_by_key(|&i| self.tried[i].effects.len()).unwrap_or(best)
+    }
+
+    /// The set, without the members that do not earn their place on the holdout runs, where it is far from explaining
+    /// everything.
+    pub(super) fn earned(&mut self, holdout: &Data, mut best: usize) -> usize {
+        while self.tried[best].effects.len() > 1 && self.tried[best].fit.error() > FAR_ABOVE * self.data.floor
+        {
+            let missing = |search: &Self, i: usize| excess(search.held_out(holdout, i), holdout.floor);
+            let effects = self.tried[best].effects.clone();
+            let mut without: Vec<usize> = Vec::new();
+            for leaving in &effects {
+                let rest: Vec<String> = effects.iter().filter(|e| *e != leaving).cloned().collect();
+                without.extend(self.index_of(&rest, best));
+            }
+            let least = without.into_iter().map(|i| (i, missing(self, i))).min_by(|a, b| a.1.total_cmp(&b.1));
+            match least {
+                Some((i, missing_without)) if missing(self, best) > (1.0 - EARNS) * missing_without => {
+                    best = i;
+                }
+                _ => break,
+            }
+        }
+        best
     }
 
     /// Of sets that the fit runs cannot tell apart, those that the holdout runs do not tell apart either: the chosen one

@@ -44,6 +44,9 @@ use sealegs_model::{Excitation, Model};
 pub struct Options {
     /// Largest set of effects.
     pub most_effects: usize,
+    /// Simulations after which sets of three effects and more are not begun: what is explained by few is found long
+    /// before, and where none fits, every further effect takes some of the remainder.
+    pub growing_simulations: u64,
     /// Starting values of each effect that are simulated beside the base model.
     pub starts: usize,
     /// The same beside a model with effects.
@@ -82,6 +85,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             most_effects: 6,
+            growing_simulations: 30_000,
             starts: 200,
             starts_later: 60,
             starts_first: usize::MAX,
@@ -110,6 +114,7 @@ impl Options {
             return usual;
         }
         Self {
+            growing_simulations: 8_000,
             starts: 12,
             starts_later: 6,
             starts_first: 2,

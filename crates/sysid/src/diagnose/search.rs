@@ -51,6 +51,9 @@ pub(super) struct Search<'a> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
+/// Effects that may help only together: so many are always tried.
+const PAIR: usize = 2;
+
 /// Most steps of a fit that goes on.
 const FINAL_STEPS: usize = 20;
 
@@ -84,7 +87,7 @@ impl Search<'_> {
         }
         let mut frontier = vec![0];
         for size in 1..=self.options.most_effects {
-            if self.at_floor(best) {
+            if self.at_floor(best) || (size > PAIR && self.data.work().0 > self.options.growing_simulations) {
                 break;
             }
             let mut plans = if size == 1 { self.plans_from_nominal() } else { Vec::new() };
@@ -138,6 +141,7 @@ impl Search<'_> {
         }
         best = self.second_chances(best);
         best = self.supported(holdout, best);
+        best = self.earned(holdout, best);
         let (chosen, tied) = self.ties(best);
         let (chosen, mut tied) = self.standing(holdout, chosen, tied);
         let same = self.by_another_name(chosen);
