@@ -25,6 +25,10 @@ use crate::dynamics::engine::Engine;
 use sealegs_actuator::Configuration;
 use sealegs_actuator::plant::SeriesCompliance;
 
+/// Mass along the axis that link 2 has at least without the moving masses, as a share of it with them: the unsprung
+/// mass is an estimate, and a foot may weigh less.
+const LEAST_LINK: f64 = 0.02;
+
 /// The screw's end as it moves against link 2.
 #[derive(Debug)]
 pub(super) struct ScrewEnd {
@@ -170,7 +174,7 @@ impl Actuator {
             Path::Rod { end_2, .. } => {
                 let mobility = engine.mobility(end_2.0, &self.reach.ends[1], &self.reach.direction);
                 // What the engine carries of the moving masses is taken off.
-                let relieved = 1.0 - moving * mobility;
+                let relieved = (1.0 - moving * mobility).max(LEAST_LINK);
                 Carrier {
                     free: (felt - mobility * end.step.on_2_n) / relieved,
                     mobility: mobility / relieved,
