@@ -111,23 +111,25 @@ def run(plant, q, v, loads, command, duration_s, sample_s, step_s=STEP_S, comman
     current = np.zeros(m)
     fixed = (params, *leg.arrays(), rest, leg.stops, plant.g, leg.sole_body, plant.sole, plant.gravity, b.mass, b.bias, *b.views,
              leg.slides, leg.moves)
-    first = np.clip(command(0.0, x[:n], x[n:2 * n], x[at:at + m], x[at + m:at + 2 * m]), -plant.limits_a, plant.limits_a)
 
-    def leaving(i):
-        """Acceleration of a screw's end at the start, m/s^2."""
+    def leaving(i, first):
+        """Acceleration of a screw's end at the start under the first command, m/s^2."""
         b.at(x[:n], x[n:2 * n])
         eq.rhs(x, dx, scrap, mode.copy(), load.copy(), True, first, *fixed)
         return dx[at + 3 * m + i]
 
     # A compliant screw's end begins at rest, too, under what it carries; the spring keeps its load.
-    for i in list(np.flatnonzero(series)) * 3:
-        nudge, before = 1e-6, leaving(i)
-        s[i] += nudge
-        rest[i] += nudge
-        after = leaving(i)
-        more = -after * nudge / (after - before)
-        s[i] += more
-        rest[i] += more
+    if series.any():
+        first = command(0.0, x[:n], x[n:2 * n], x[at:at + m], x[at + m:at + 2 * m])
+        first = np.clip(first, -plant.limits_a, plant.limits_a)
+        for i in list(np.flatnonzero(series)) * 3:
+            nudge, before = 1e-6, leaving(i, first)
+            s[i] += nudge
+            rest[i] += nudge
+            after = leaving(i, first)
+            more = -after * nudge / (after - before)
+            s[i] += more
+            rest[i] += more
     steps = round(duration_s / step_s)
     per_command, per_sample = round(command_s / step_s), round(sample_s / step_s)
     late = np.rint(plant.delays_s / step_s).astype(int)

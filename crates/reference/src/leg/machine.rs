@@ -167,8 +167,7 @@ impl Machine<'_> {
         let (end_1, end_2) = (bodies[placement.link_1].at(&p1), bodies[placement.link_2].at(&p2));
         let (along_1, along_2) = (along(&u, &end_1.by), along(&u, &end_2.by));
         let rate = u.dot(&(end_2.velocity - end_1.velocity));
-        let (end, end_rate) = of.screw_end(i).map_or((0.0, 0.0), |e| (s.x[e], s.v[e]));
-        let spring = part.spring_force(s.x[row] - end - (length - self.rest[i]), s.v[row] - end_rate - rate);
+        let spring = self.spring(i, s, length, rate);
         for k in 0..n {
             to.f[k] += spring * (along_2[k] - along_1[k]);
             to.a[k][row] -= part.sprung * along_2[k];
@@ -181,7 +180,16 @@ impl Machine<'_> {
         Cells { spring, sprung: part.sprung, carrier: along_2, felt, series }
     }
 
-    /// Adds the row of a screw's end on its compliance, with the unsprung mass, which a leg has in its link 2; returns the compliance's force: `(m_p + m_u) (s'' + carrier + felt) - m_p y'' = spring - k s`.
+    /// The spring's force at the actuator's length (m) and its rate (m/s), N.
+    fn spring(&self, i: usize, s: &State, length: f64, rate: f64) -> f64 {
+        let row = self.of.bodies + i;
+        let (end, end_rate) = self.of.screw_end(i).map_or((0.0, 0.0), |e| (s.x[e], s.v[e]));
+        let deflection = s.x[row] - end - (length - self.rest[i]);
+        self.of.parts[i].spring_force(deflection, s.v[row] - end_rate - rate)
+    }
+
+    /// Adds the row of a screw's end on its compliance, with the unsprung mass, which a leg has in its link 2; returns
+    /// the compliance's force: `(m_p + m_u) (s'' + carrier + felt) - m_p y'' = spring - k s`.
     fn screw_end(
         &self,
         i: usize,
@@ -229,8 +237,7 @@ impl Machine<'_> {
         let end_1 = bodies[placement.link_1].at(&p1);
         let along_1 = along(&u, &end_1.by);
         let rate = arm * s.v[column];
-        let (end, end_rate) = of.screw_end(i).map_or((0.0, 0.0), |e| (s.x[e], s.v[e]));
-        let spring = part.spring_force(s.x[row] - end - (length - self.rest[i]), s.v[row] - end_rate - rate);
+        let spring = self.spring(i, s, length, rate);
         let felt = u.dot(&(end_1.bias - of.gravity));
         let m = part.sprung;
         let known = spring - m * (turning + felt);

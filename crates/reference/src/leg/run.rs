@@ -102,7 +102,10 @@ impl LegReference {
         let (n, count, first) = (self.bodies, self.parts.len(), usize::from(self.rail));
         let ends: Vec<(usize, usize)> =
             (0..count).filter_map(|i| self.screw_end(i).map(|end| (i, end))).collect();
-        for _ in 0..if ends.is_empty() { 0 } else { START_ROUNDS } {
+        if ends.is_empty() {
+            return Ok(());
+        }
+        for _ in 0..START_ROUNDS {
             let currents = self.command(0.0, &state.x[first..n], &state.v[n..n + count])?;
             let system = machine.system(state, &currents);
             let acceleration = machine.accelerate(state, &system, &machine.modes(state, &currents));

@@ -3,7 +3,7 @@
 
 use super::compare::{WORTH_SHARE, WORTH_SQUARED_NOISE, clearly_better, gain};
 use super::left::{FAR_ABOVE, NEAR_FLOOR, excess};
-use super::search::Search;
+use super::search::{Search, all_but};
 use crate::data::Data;
 use rayon::prelude::*;
 
@@ -80,20 +80,18 @@ impl Search<'_> {
     /// The set, without the members that do not earn their place on the holdout runs, where it is far from explaining
     /// everything.
     pub(super) fn earned(&mut self, holdout: &Data, mut best: usize) -> usize {
-        while self.tried[best].effects.len() > 1 && self.tried[best].fit.error() > FAR_ABOVE * self.data.floor
-        {
-            let missing = |search: &Self, i: usize| excess(search.held_out(holdout, i), holdout.floor);
+        let far = |search: &Self, i: usize| search.tried[i].fit.error() > FAR_ABOVE * search.data.floor;
+        let missing = |search: &Self, i: usize| excess(search.held_out(holdout, i), holdout.floor);
+        let mut left = missing(self, best);
+        while self.tried[best].effects.len() > 1 && far(self, best) {
             let effects = self.tried[best].effects.clone();
-            let mut without: Vec<usize> = Vec::new();
-            for leaving in &effects {
-                let rest: Vec<String> = effects.iter().filter(|e| *e != leaving).cloned().collect();
-                without.extend(self.index_of(&rest, best));
-            }
-            let least = without.into_iter().map(|i| (i, missing(self, i))).min_by(|a, b| a.1.total_cmp(&b.1));
+            let parts: Vec<usize> = effects
+                .iter()
+                .filter_map(|leaving| self.index_of(&all_but(&effects, leaving), best))
+                .collect();
+            let least = parts.into_iter().map(|i| (i, missing(self, i))).min_by(|a, b| a.1.total_cmp(&b.1));
             match least {
-                Some((i, missing_without)) if missing(self, best) > (1.0 - EARNS) * missing_without => {
-                    best = i;
-                }
+                Some((part, of_part)) if left > (1.0 - EARNS) * of_part => (best, left) = (part, of_part),
                 _ => break,
             }
         }

@@ -8,7 +8,7 @@ use super::Candidate;
 use super::candidate::{symbol, values_by_name};
 use super::compare::clearly_better;
 use super::screen::is_amplitude;
-use super::search::{EQUAL_COST, Search};
+use super::search::{EQUAL_COST, Search, all_but};
 use super::with_effects;
 use rayon::prelude::*;
 use sealegs_model::Parameter;
@@ -72,7 +72,7 @@ impl Search<'_> {
     /// The sets with another effect in the place of one, that lost by more than they should if they were equal.
     fn rivals(&mut self, best: usize, leaving: &str) -> Vec<Rival> {
         let chosen = &self.tried[best];
-        let rest: Vec<String> = chosen.effects.iter().filter(|e| *e != leaving).cloned().collect();
+        let rest = all_but(&chosen.effects, leaving);
         let (cost, known, model) = (chosen.fit.cost, chosen.known(), chosen.model.clone_box());
         let old: Vec<(&Parameter, f64)> = model
             .parameters()

@@ -76,34 +76,33 @@ pub fn screen(
 ) -> Vec<Promise> {
     let all: Vec<Vec<Vec<f64>>> =
         cards.iter().map(|card| combinations(&card.parameters, starts.most)).collect();
-    let first = all.iter().map(|s| spread(s, starts.first)).collect();
-    let mut promises = screen_starts(data, beside, seen, cards, first);
-    if all.iter().any(|s| s.len() > starts.first) {
+    let mut screened: Vec<Vec<Vec<f64>>> = all.iter().map(|s| spread(s, starts.first)).collect();
+    let mut promises = screen_starts(data, beside, seen, cards, screened.clone());
+    let best_first = |promises: &[Promise]| {
         let mut order: Vec<usize> = (0..cards.len()).collect();
         order.sort_by(|&a, &b| promises[b].drop.total_cmp(&promises[a].drop));
-        let leads = |i: usize| order.iter().take(LEADERS).any(|&o| o == i) && all[i].len() > starts.first;
-        let others = |i: usize| {
-            let first = spread(&all[i], starts.first);
-            all[i].iter().filter(|s| !first.contains(s)).cloned().collect()
-        };
-        let rest = (0..cards.len()).map(|i| if leads(i) { others(i) } else { Vec::new() }).collect();
-        for (promise, more) in promises.iter_mut().zip(screen_starts(data, beside, seen, cards, rest)) {
-            promise.take_in(more.starts);
+        order
+    };
+    // Starts of some effects that were not screened yet.
+    let mut go_on = |promises: &mut [Promise], chosen: &[usize], every: &dyn Fn(usize) -> Vec<Vec<f64>>| {
+        let mut more: Vec<Vec<Vec<f64>>> = vec![Vec::new(); cards.len()];
+        for &i in chosen {
+            more[i] = every(i);
+            more[i].retain(|start| !screened[i].contains(start));
+            screened[i].extend(more[i].iter().cloned());
         }
+        for (promise, found) in promises.iter_mut().zip(screen_starts(data, beside, seen, cards, more)) {
+            promise.take_in(found.starts);
+        }
+    };
+    if all.iter().any(|s| s.len() > starts.first) {
+        let leaders: Vec<usize> = best_first(&promises).into_iter().take(LEADERS).collect();
+        go_on(&mut promises, &leaders, &|i| all[i].clone());
         // From one period no search finds its way to the next: where most effects get few starting values, those
         // that repeat and promise most get all periods.
-        let mut periodic: Vec<usize> = (0..cards.len()).filter(|&i| cards[i].is_periodic()).collect();
-        periodic.sort_by(|&a, &b| promises[b].drop.total_cmp(&promises[a].drop));
-        periodic.truncate(PERIODIC_LEADERS);
-        let others = |i: usize| {
-            let every = combinations(&cards[i].parameters, usize::MAX);
-            every.into_iter().filter(|s| !all[i].contains(s)).collect()
-        };
-        let rest =
-            (0..cards.len()).map(|i| if periodic.contains(&i) { others(i) } else { Vec::new() }).collect();
-        for (promise, more) in promises.iter_mut().zip(screen_starts(data, beside, seen, cards, rest)) {
-            promise.take_in(more.starts);
-        }
+        let periodic = best_first(&promises).into_iter().filter(|&i| cards[i].is_periodic());
+        let periodic: Vec<usize> = periodic.take(PERIODIC_LEADERS).collect();
+        go_on(&mut promises, &periodic, &|i| combinations(&cards[i].parameters, usize::MAX));
     }
     for (card, promise) in cards.iter().zip(&mut promises) {
         let starts = if starts.most >= DENSE { rugged::starts(data, beside, seen, card) } else { Vec::new() };

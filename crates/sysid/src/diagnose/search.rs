@@ -76,6 +76,11 @@ struct Plan {
 /// Stands for the nominal base model among the candidates that sets grow from.
 const NOMINAL: usize = usize::MAX;
 
+/// A set without one of its members.
+pub(super) fn all_but(effects: &[String], leaving: &str) -> Vec<String> {
+    effects.iter().filter(|e| *e != leaving).cloned().collect()
+}
+
 impl Search<'_> {
     /// Grows, prunes and compares, from the fitted base model (`tried[0]`); the holdout runs decide between sets that the
     /// fit runs leave open, and whether a small gain is one.
@@ -389,7 +394,7 @@ impl Search<'_> {
             let effects = self.tried[best].effects.clone();
             let mut without: Vec<usize> = Vec::new();
             for leaving in &effects {
-                let rest: Vec<String> = effects.iter().filter(|e| *e != leaving).cloned().collect();
+                let rest = all_but(&effects, leaving);
                 let Some(i) = self.index_of(&rest, best) else { continue };
                 without.push(i);
                 // It was fitted from elsewhere and may have come to rest far from here.
@@ -417,7 +422,7 @@ impl Search<'_> {
             let effects = self.tried[best].effects.clone();
             let mut plans = Vec::new();
             for leaving in &effects {
-                let rest: Vec<String> = effects.iter().filter(|e| *e != leaving).cloned().collect();
+                let rest = all_but(&effects, leaving);
                 let Some(without) = self.index_of(&rest, best) else { continue };
                 let worth = self.tried[without].fit.cost - self.tried[best].fit.cost;
                 for promise in self.screen_beside(without, 2) {

@@ -280,6 +280,7 @@ mod tests {
         let [without, with] = left_out([1.0, 0.05, 0.05], 0.98);
         assert!(without > 2.0 && with < 0.1 * without, "{without} {with}");
     }
+
     #[test]
     fn a_derivative_that_says_nothing_does_not_spoil_what_a_fit_foresees() {
         let campaign = campaign((0..2).map(|seed| (Role::Fit, at(1.0, 1.0, seed))).collect(), NOISE);

@@ -232,22 +232,20 @@ impl Actuator {
         let push = motor + self.laws.rotor_force(self.rotor.y_m, speed, self.load_n, time_s);
         let felt = self.reach.direction.dot(&(self.acceleration - gravity));
         let y_m = self.rotor.y_m;
-        let (on_1, on_2, rotor) = match (c.configuration, &self.path) {
-            (Configuration::Lumped, _) => self.apply_lumped(push, spring, speed, step_s),
-            (Configuration::SprungMotorHousing, _) if self.screw_end.is_some() => {
-                self.apply_with_screw_end(engine, push, spring, felt, step_s)
-            }
-            (Configuration::SprungMotorHousing, Path::Rod { .. }) => {
+        let (on_1, on_2, rotor) = match (self.screw_end.take(), c.configuration, &self.path) {
+            (Some(end), ..) => self.apply_with_screw_end(end, engine, push, spring, felt, step_s),
+            (None, Configuration::Lumped, _) => self.apply_lumped(push, spring, speed, step_s),
+            (None, Configuration::SprungMotorHousing, Path::Rod { .. }) => {
                 let force = push - spring + c.sprung_mass * felt;
                 let step = self.advance_rotor(force, step_s);
                 (spring, spring + c.sprung_mass * step.acceleration, step)
             }
-            (Configuration::SprungBallNut, _) => {
+            (None, Configuration::SprungBallNut, _) => {
                 let force = push - spring - c.sprung_mass * felt;
                 let step = self.advance_rotor(force, step_s);
                 (spring + c.sprung_mass * step.acceleration, spring, step)
             }
-            (Configuration::SprungMotorHousing, Path::Crank { dof, .. }) => {
+            (None, Configuration::SprungMotorHousing, Path::Crank { dof, .. }) => {
                 let joint_speed = engine.joint_velocity(*dof);
                 let turning = self.reach.arm.arm_slope_m * joint_speed * joint_speed;
                 engine.set_armature(*dof, c.sprung_mass * self.reach.arm.arm_m.powi(2));

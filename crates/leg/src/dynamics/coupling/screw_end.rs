@@ -77,13 +77,22 @@ pub(super) struct Beside {
     pub carrier: Carrier,
 }
 
-/// The end's equation in a step: `mass s'' = force + coupling y''`, its carrier at `carrier + yielding s''`.
-struct Equation {
+/// The end's equation in a step: `mass s'' = force + sprung_mass y''`, its carrier at `carrier + yielding s''`.
+pub(super) struct Equation {
+    beside: Beside,
     mass: f64,
     force: f64,
-    coupling: f64,
     carrier: f64,
     yielding: f64,
+}
+
+impl Equation {
+    /// The rotor's mass (kg) and the force on it (N) beside its own, once `s''` is eliminated.
+    pub fn on_rotor(&self) -> (f64, f64) {
+        let m = self.beside.sprung_mass;
+        let share = m * (1.0 + self.yielding) / self.mass;
+        (m - share * m, m * self.carrier - self.beside.spring_n + share * self.force)
+    }
 }
 
 impl ScrewEnd {
@@ -108,41 +117,36 @@ impl ScrewEnd {
         0.25 * step_s * step_s * self.compliance.stiffness
     }
 
-    fn equation(&self, beside: &Beside, step_s: f64) -> Equation {
-        let pull = self.compliance.stiffness * self.compressed_m;
-        let moving = beside.sprung_mass + self.compliance.mass;
+    /// The moving masses, sprung and unsprung, kg.
+    fn moving(&self, beside: &Beside) -> f64 {
+        beside.sprung_mass + self.compliance.mass
+    }
+
+    pub fn equation(&self, beside: Beside, step_s: f64) -> Equation {
+        let (pull, moving) = (self.compliance.stiffness * self.compressed_m, self.moving(&beside));
         let implicit = self.implicit_mass(step_s);
         let carrier = beside.carrier.free + beside.carrier.mobility * pull;
         let yielding = beside.carrier.mobility * implicit;
         Equation {
             mass: moving * (1.0 + yielding) + implicit,
             force: beside.spring_n - pull - moving * carrier,
-            coupling: beside.sprung_mass,
             carrier,
             yielding,
+            beside,
         }
     }
 
-    /// The rotor's mass (kg) and the force on it (N) beside its own, once `s''` is eliminated.
-    pub fn on_rotor(&self, beside: &Beside, step_s: f64) -> (f64, f64) {
-        let end = self.equation(beside, step_s);
-        let m = beside.sprung_mass;
-        let share = m * (1.0 + end.yielding) / end.mass;
-        (m - share * end.coupling, m * end.carrier - beside.spring_n + share * end.force)
-    }
-
     /// Advances the end by a step in which the rotor has the acceleration `y''`.
-    pub fn advance(&mut self, beside: &Beside, rotor_acceleration: f64, step_s: f64) {
-        let end = self.equation(beside, step_s);
+    pub fn advance(&mut self, of: &Equation, rotor_acceleration: f64, step_s: f64) {
         let pull = self.compliance.stiffness * self.compressed_m;
-        let moving = beside.sprung_mass + self.compliance.mass;
-        let push = beside.spring_n + beside.sprung_mass * rotor_acceleration - moving * beside.carrier.free;
-        let acceleration = (end.force + end.coupling * rotor_acceleration) / end.mass;
+        let push = of.force + of.beside.sprung_mass * rotor_acceleration;
+        let acceleration = push / of.mass;
         let (before, after) = (self.speed_m_s, self.speed_m_s + step_s * acceleration);
         self.step = ScrewEndStep {
             force_n: pull + self.implicit_mass(step_s) * acceleration,
-            at_rest_n: push / (1.0 + moving * beside.carrier.mobility),
-            carrier: end.carrier + end.yielding * acceleration,
+            // A pull that is greater by this takes more from the end, and its carrier away from it.
+            at_rest_n: pull + push / (1.0 + self.moving(&of.beside) * of.beside.carrier.mobility),
+            carrier: of.carrier + of.yielding * acceleration,
             speed: 0.5 * (before + after),
             ..self.step
         };
@@ -158,16 +162,17 @@ impl Actuator {
             series.filter(|_| carries_series(self.coefficients.configuration)).map(ScrewEnd::new);
     }
 
-    /// A sprung motor housing whose screw ends on a compliance; `felt` is what its attachment felt one step ago.
+    /// A sprung motor housing whose screw ends on a compliance, which was taken out of it and comes back here; `felt` is
+    /// what its attachment felt one step ago.
     pub(super) fn apply_with_screw_end(
         &mut self,
+        mut end: ScrewEnd,
         engine: &mut Engine,
         push: f64,
         spring_n: f64,
         felt: f64,
         step_s: f64,
     ) -> (f64, f64, RotorStep) {
-        let Some(mut end) = self.screw_end.take() else { return Default::default() };
         let (sprung_mass, inertia) = (self.coefficients.sprung_mass, self.coefficients.reflected_inertia);
         let moving = sprung_mass + end.compliance.mass;
         let carrier = match &self.path {
@@ -183,10 +188,10 @@ impl Actuator {
             // Carried by the mount and, in the armature, by the joint: links that weigh more than the sprung mass.
             Path::Crank { .. } => Carrier { free: felt + self.length_acceleration, mobility: 0.0 },
         };
-        let beside = Beside { spring_n, sprung_mass, carrier };
-        let (mass, force) = end.on_rotor(&beside, step_s);
+        let equation = end.equation(Beside { spring_n, sprung_mass, carrier }, step_s);
+        let (mass, force) = equation.on_rotor();
         let rotor = self.advance_rotor_of(inertia + mass, push + force, step_s);
-        end.advance(&beside, rotor.acceleration, step_s);
+        end.advance(&equation, rotor.acceleration, step_s);
         let force_n = end.step.force_n;
         let (on_1, on_2) = match &self.path {
             Path::Rod { .. } => (spring_n, force_n + moving * end.step.carrier),

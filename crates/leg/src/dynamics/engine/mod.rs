@@ -280,28 +280,30 @@ impl Engine {
         direction: &Vector3<f64>,
         out: &mut [f64],
     ) {
-        let (from, to) = (
-            self.point_gradient(body_1, point_1, direction),
-            self.point_gradient(body_2, point_2, direction),
-        );
-        for ((value, from), to) in out.iter_mut().zip(from).zip(to) {
-            *value = to - from;
+        let from = self.along(body_1, point_1, direction);
+        let to = self.along(body_2, point_2, direction);
+        for (column, value) in out.iter_mut().enumerate() {
+            *value = to(column) - from(column);
         }
     }
 
-    /// The gradient of a body's point along a direction with respect to the coordinates.
-    pub fn point_gradient(&self, body: usize, point: &Point3<f64>, direction: &Vector3<f64>) -> Vec<f64> {
-        let j = self.jacobian(body);
-        let arm = (point - self.states[body].com).cross(direction);
-        let along = |column: usize| {
-            direction.x * j[(0, column)]
-                + direction.y * j[(1, column)]
-                + direction.z * j[(2, column)]
+    /// How a body's point moves along a direction per unit of a coordinate, by its column.
+    pub fn along(
+        &self,
+        body: usize,
+        point: &Point3<f64>,
+        direction: &Vector3<f64>,
+    ) -> impl Fn(usize) -> f64 + '_ {
+        let (j, u) = (self.jacobian(body), *direction);
+        let arm = (point - self.states[body].com).cross(&u);
+        move |column| {
+            u.x * j[(0, column)]
+                + u.y * j[(1, column)]
+                + u.z * j[(2, column)]
                 + arm.x * j[(3, column)]
                 + arm.y * j[(4, column)]
                 + arm.z * j[(5, column)]
-        };
-        (0..self.coordinates()).map(along).collect()
+        }
     }
 
     /// World axis of the joint that carries a body.

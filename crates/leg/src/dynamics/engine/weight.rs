@@ -23,7 +23,8 @@ impl Engine {
     /// Acceleration of a body's point along a direction per unit of a force on it in that direction, 1/kg (without
     /// armature).
     pub fn mobility(&self, body: usize, point: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
-        let along = DVector::from_vec(self.point_gradient(body, point, direction));
+        let along = self.along(body, point, direction);
+        let along = DVector::from_fn(self.coordinates(), |column, _| along(column));
         let factor = self.mass_matrix().cholesky();
         factor.map_or(0.0, |factor| along.dot(&factor.solve(&along)))
     }
