@@ -8,10 +8,12 @@ mod table;
 
 pub use table::table;
 
+use sealegs_actuator::ActuatorSpec;
 use sealegs_cli::bench_model;
 use sealegs_cli::mystery::score::{Score, score};
 use sealegs_cli::mystery::trial::{Strength, visible};
 use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
+use sealegs_sysid::fit::FittedParameter;
 use sealegs_sysid::{Campaign, diagnose};
 use serde::{Deserialize, Serialize};
 use std::error::Error;
@@ -127,8 +129,45 @@ pub struct Outcome {
     pub after_error: f64,
     /// Greatest relative error of a parameter of the effect, where exactly the hidden ones were named.
     pub worst_parameter: Option<f64>,
+    /// What was stated of the base model's and the effects' parameters beside the truth, where exactly the hidden ones
+    /// were named. Lines made before this was kept have none.
+    #[serde(default)]
+    pub stated: Vec<Stated>,
     /// Time of the diagnosis, s.
     pub seconds: f64,
+}
+
+/// A fitted parameter beside its true value.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Stated {
+    /// Its name, with the effect's before it if it is one's.
+    pub name: String,
+    /// The true value.
+    pub truth: f64,
+    /// The fitted value.
+    pub value: f64,
+    /// The stated standard error.
+    pub std: f64,
+}
+
+impl Stated {
+    /// Whether it is an effect's.
+    #[must_use]
+    pub fn of_effect(&self) -> bool {
+        self.name.contains('.')
+    }
+
+    /// The fitted value's error over the true value; a phase has no ratio.
+    #[must_use]
+    pub fn relative_error(&self) -> Option<f64> {
+        (!self.name.ends_with("phase_rad")).then(|| (self.value / self.truth - 1.0).abs())
+    }
+
+    /// Whether the stated interval of 95 % holds the truth.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        (self.value - self.truth).abs() <= 1.96 * self.std
+    }
 }
 
 /// The score of a case that cannot be made.
@@ -162,6 +201,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         base_error: 1.0,
         after_error: 1.0,
         worst_parameter: None,
+        stated: Vec::new(),
         seconds: 0.0,
     };
     let mut hidden = Vec::new();
@@ -193,9 +233,13 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     outcome.base_error = verdict.base.holdout_error;
     outcome.after_error = verdict.after.holdout_error;
     if scored == Score::Right {
-        let fitted = &found.found.tried[verdict.after.index].fit.parameters;
-        outcome.worst_parameter =
-            worst_parameter(&made, |name| fitted.iter().find(|p| p.name == name).map(|p| p.value));
+        outcome.stated = stated(&made, &found.found.tried[verdict.after.index].fit.parameters)?;
+        outcome.worst_parameter = outcome
+            .stated
+            .iter()
+            .filter(|s| s.of_effect())
+            .filter_map(Stated::relative_error)
+            .max_by(f64::total_cmp);
     }
     if matches!(scored, Score::Right | Score::Tied) {
         std::fs::remove_dir_all(&place)?;
@@ -203,13 +247,22 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     Ok(outcome)
 }
 
-/// Greatest relative error of the hidden effects' parameters by their fitted values. A phase has no ratio, a
-/// choice of rounding is no quantity.
-fn worst_parameter(made: &Made, fitted: impl Fn(&str) -> Option<f64>) -> Option<f64> {
-    made.hidden
+/// The fitted values of what is known of a campaign. A choice of rounding is no quantity, and what the bench or
+/// the model file fixes has no interval.
+fn stated(made: &Made, fitted: &[FittedParameter]) -> Result<Vec<Stated>, Box<dyn Error>> {
+    let spec = ActuatorSpec::preset(made.actuator)?;
+    let base =
+        made.individual.base_parameters(&spec).into_iter().map(|(name, truth)| (name.to_owned(), truth));
+    let effects = made
+        .hidden
         .iter()
         .flat_map(|h| h.parameters.iter().map(move |(name, truth)| (format!("{}.{name}", h.id), *truth)))
-        .filter(|(name, _)| !name.ends_with("phase_rad") && !name.ends_with("rounding"))
-        .filter_map(|(name, truth)| Some((fitted(&name)? / truth - 1.0).abs()))
-        .max_by(f64::total_cmp)
+        .filter(|(name, _)| !name.ends_with("rounding"));
+    Ok(base
+        .chain(effects)
+        .filter_map(|(name, truth)| {
+            let p = fitted.iter().find(|p| p.name == name && p.std > 0.0)?;
+            Some(Stated { name, truth, value: p.value, std: p.std })
+        })
+        .collect())
 }

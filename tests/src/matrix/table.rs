@@ -1,6 +1,6 @@
 //! The matrix as a dated page of Markdown.
 
-use super::{DURATION_S, INVISIBLE, NOTHING, Outcome};
+use super::{DURATION_S, INVISIBLE, NOTHING, Outcome, Stated};
 use sealegs_cli::mystery::score::Score;
 use sealegs_cli::mystery::trial::Strength;
 use sealegs_reference::campaign::{BEYOND, Rig};
@@ -84,6 +84,21 @@ fn totals(out: &mut String, outcomes: &[Outcome]) {
         told.len(),
         diagnosed.iter().sum::<f64>() / diagnosed.len().max(1) as f64
     );
+    let stated: Vec<&Stated> = outcomes.iter().flat_map(|o| &o.stated).collect();
+    let held = |of_effect: bool| {
+        let asked: Vec<&&Stated> = stated.iter().filter(|s| s.of_effect() == of_effect).collect();
+        format!("{} of {}", asked.iter().filter(|s| s.holds()).count(), asked.len())
+    };
+    if !stated.is_empty() {
+        let _ = writeln!(
+            out,
+            "Stated intervals of 95 % that hold the truth, on the {} campaigns since this is counted: {} of the \
+             effects' parameters, {} of the base model's.\n",
+            outcomes.iter().filter(|o| !o.stated.is_empty()).count(),
+            held(true),
+            held(false)
+        );
+    }
 }
 
 fn cells(out: &mut String, outcomes: &[Outcome]) {

@@ -56,20 +56,28 @@ impl SensorStage for Mode {
         super::is_force(channel)
     }
 
-    /// `p^2/(...) F = F - P - (2 zeta/w) P'` with the low-passed `P'' + 2 zeta w P' + w^2 P = w^2 F`, by
-    /// the implicit midpoint.
+    /// `p^2/(...) F = F - P - (2 zeta/w) P'` with the low-passed `P'' + 2 zeta w P' + w^2 P = w^2 F`, exact for a
+    /// force that is straight between the points: a step's error in its place would shift the frequency.
     fn apply(&self, values: &mut [f64], h: f64) {
         let (w, zeta, g) = (self.angular, self.damping_ratio, self.participation);
-        let system = 1.0 / (2.0 / h + 2.0 * zeta * w + 0.5 * h * w * w);
-        let (mut low, mut rate) = (0.0, 0.0);
+        let decay = zeta * w;
+        let damped = w * (1.0 - zeta * zeta).max(0.0).sqrt();
+        let fall = (-decay * h).exp();
+        let (cosine, sine) = match damped * h {
+            angle if angle > 1e-8 => (fall * angle.cos(), fall * angle.sin() / damped),
+            _ => (fall, fall * h),
+        };
+        let lag = 2.0 * zeta / w;
         let mut before = values.first().copied().unwrap_or(0.0);
+        let (mut low, mut rate) = (before, 0.0);
         for value in values.iter_mut().skip(1) {
-            let mid = 0.5 * (before + *value);
+            // Along a ramp P lags behind F by 2 zeta/w; what departs from that rings freely.
+            let slope = (*value - before) / h;
+            let (apart, apart_rate) = (low - (before - lag * slope), rate - slope);
             before = *value;
-            let mean = system * (2.0 / h * rate - w * w * (low - mid));
-            low += h * mean;
-            rate = 2.0 * mean - rate;
-            *value += g * (*value - low - 2.0 * zeta / w * rate);
+            low = *value - lag * slope + apart * (cosine + decay * sine) + apart_rate * sine;
+            rate = slope - w * w * sine * apart + apart_rate * (cosine - decay * sine);
+            *value += g * (*value - low - lag * rate);
         }
     }
 }
@@ -88,5 +96,24 @@ mod tests {
         mode.apply(&mut values, h);
         let peak = values[90_000..].iter().fold(0.0_f64, |p, v| p.max(v.abs()));
         assert!((peak - (1.0_f64 + 2.5 * 2.5).sqrt()).abs() < 2e-3, "{peak}");
+    }
+
+    #[test]
+    fn analytic_rings_at_its_frequency_whatever_the_step() {
+        for (hz, zeta) in [(20.0, 0.03), (90.0, 0.3), (90.0, 1.0)] {
+            let (h, w) = (2e-3, std::f64::consts::TAU * hz);
+            let mode = Mode { angular: w, damping_ratio: zeta, participation: 0.5 };
+            let mut values = vec![0.0];
+            values.resize(100, 1.0);
+            mode.apply(&mut values, h);
+            // Samples of a damped oscillation obey y(n+1) = 2 e^(-zeta w h) cos(w_d h) y(n) - e^(-2 zeta w h) y(n-1).
+            let fall = (-zeta * w * h).exp();
+            let turn = (w * h * f64::sqrt(1.0 - zeta * zeta)).cos();
+            let ringing: Vec<f64> = values[1..].iter().map(|v| v - 1.0).collect();
+            assert!(ringing[0].abs() > 1e-3);
+            for y in ringing.windows(3) {
+                assert!((y[2] - (2.0 * fall * turn * y[1] - fall * fall * y[0])).abs() < 1e-12, "{y:?}");
+            }
+        }
     }
 }
