@@ -270,6 +270,10 @@ def rhs(x, dx, out, mode, load, may_break, current, params, kind, ends, local, a
             a[e, n + i] = -m_p
             for j in range(n):
                 a[e, j] = moving * carrier[j]
+                if kind[i] == LEVER:
+                    # The unsprung mass of a leg's actuator is a part of its link 2; a bench's pendulum is without it.
+                    for k in range(n):
+                        a[j, k] += p[UNSPRUNG] * carrier[j] * carrier[k]
             b[e] = f_k - p[SERIES] * s[i] - moving * c
         carriers[i], carried[i], forces[i] = carrier, c, f_k
         dx[at + 4 * m + i] = p[SLIP_STIFFNESS] * delta_rate

@@ -185,7 +185,7 @@ def make(name, spec, out):
             scales = scales or individual(["thor"], rng)
             time_s = np.arange(round(spec["duration_s"] * spec["rate_hz"]) + 1) / spec["rate_hz"]
             current = np.round(excitation(run_name, time_s, rng), 4)
-            columns = run_bench(current, time_s, scales["thor"], spec["effects"])
+            columns = run_bench(current, time_s, scales["thor"], spec["effects"], spec["step_s"])
         if sensors is None:
             table = LEG_SENSORS if spec["bench"] == "leg" else BENCH_SENSORS
             sensors = Sensors(columns, table, rng, spec.get("force_noise"))

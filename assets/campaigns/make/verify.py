@@ -62,17 +62,22 @@ def compare(spec, one, two):
     return float(np.sqrt(np.mean(np.square(list(off.values()))))), (float(off[worst].max()), worst)
 
 
-def halve():
-    for name, spec in SETS["shipped"].items():
-        rms, worst = compare(spec, *(first_run(spec, spec["effects"], step) for step in (STEP_S, 0.5 * STEP_S)))
-        print(f"{name}: {STEP_S * 1e6:.0f} against {STEP_S * 5e5:.0f} us: rms {rms:.4f}, greatest {worst[0]:.3f} noise ({worst[1]})",
+def step_of(spec):
+    return spec.get("step_s", STEP_S)
+
+
+def halve(which):
+    for name, spec in SETS[which].items():
+        step = step_of(spec)
+        rms, worst = compare(spec, *(first_run(spec, spec["effects"], s) for s in (step, 0.5 * step)))
+        print(f"{name}: {step * 1e6:.0f} against {step * 5e5:.0f} us: rms {rms:.4f}, greatest {worst[0]:.3f} noise ({worst[1]})",
               flush=True)
 
 
 def strength(which):
     for name, spec in SETS[which].items():
         if spec["effects"]:
-            rms, worst = compare(spec, first_run(spec, spec["effects"], STEP_S), first_run(spec, {}, STEP_S))
+            rms, worst = compare(spec, *(first_run(spec, effects, step_of(spec)) for effects in (spec["effects"], {})))
             print(f"{name}: {' + '.join(spec['effects'])} changes rms {rms:.1f}, greatest {worst[0]:.0f} noise ({worst[1]})", flush=True)
 
 
@@ -84,7 +89,7 @@ def main():
     if arguments.what == "against":
         against(*arguments.rest)
     elif arguments.what == "halve":
-        halve()
+        halve(arguments.rest[0] if arguments.rest else "shipped")
     else:
         strength(arguments.rest[0] if arguments.rest else "shipped")
 

@@ -86,7 +86,7 @@ impl<'a> Machine<'a> {
             }
         }
         if of.series.is_some() {
-            put(of.unsprung(), &unit(screw_end));
+            put(of.unsprung, &unit(screw_end));
         }
         if let Some(w) = of.wobbling {
             put(w[0], &unit(wobbling));

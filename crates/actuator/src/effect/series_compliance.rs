@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, with_neutral, with_starts};
 use crate::plant::{Plant, SeriesCompliance};
-use sealegs_model::EffectCard;
+use sealegs_model::{EffectCard, Parameter, Scale};
 
 /// Compliance of universal joints and clamp between screw and link 2.
 #[derive(Debug)]
@@ -12,13 +12,24 @@ pub struct SeriesComplianceEffect;
 impl Effect for SeriesComplianceEffect {
     fn card(&self, setting: &Setting) -> EffectCard {
         let k = setting.stiffness;
-        let parameters = vec![with_neutral(
+        let stiffness = with_neutral(
             with_starts(
                 setting.magnitude("stiffness", Quantity::Stiffness, 6.0 * k, 0.2 * k, 1e4 * k),
                 [2.0 * k, 20.0 * k, 60.0 * k],
             ),
             f64::INFINITY,
-        )];
+        );
+        let stated = setting.unsprung_mass;
+        let mass = if stated > 0.0 { stated } else { UNSPRUNG_SHARE * setting.total_mass };
+        let mass = Parameter {
+            prior_std: Some(MASS_KNOWN_TO * mass),
+            fixed: setting.unsprung_in_link,
+            scale: Scale::Linear,
+            ..with_starts(
+                setting.magnitude("unsprung", Quantity::Inertia, mass, 0.1 * mass, 10.0 * mass),
+                [2.0 * mass],
+            )
+        };
         EffectCard {
             id: "series-compliance".to_owned(),
             summary: "Compliance of universal joints and clamp between screw and link 2.".to_owned(),
@@ -26,7 +37,7 @@ impl Effect for SeriesComplianceEffect {
             equation: "F_2 = k_j (x_s - x_2), x_s the screw's end, which carries the unsprung mass".to_owned(),
             validity: "Indistinguishable from a softer spring where only forces and the rotor are measured on a locked bench.".to_owned(),
             reference: "Dissertation sections 2-5-1 and 5-2; 2771 kN/m follows from equations 2-9 and 2-10".to_owned(),
-            parameters,
+            parameters: vec![stiffness, mass],
             passive: true,
             becomes: None,
         }
@@ -34,14 +45,18 @@ impl Effect for SeriesComplianceEffect {
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         if values[0].is_finite() {
-            let mass = UNSPRUNG_SHARE * (plant.reflected_inertia + plant.sprung_mass);
-            plant.series = Some(SeriesCompliance { stiffness: values[0], mass });
+            plant.series = Some(SeriesCompliance { stiffness: values[0], mass: values[1] });
         }
     }
 }
 
-/// The unsprung mass as a share of the moving mass: nut and tube of the THOR actuator, 0.15 kg of 294.9 kg
-/// (the dissertation's own estimate, section 4-5-1).
+/// What is known of the unsprung mass, as a share of it: for THOR's actuator the dissertation gives 0.08 kg (Table 2 less
+/// Table 5) and, of nut and tube in another design, 0.15 kg (section 4-5-1). Where both springs are stiff only it and the
+/// sprung mass tell them apart, so that a value that is held would be paid for by the stiffness.
+const MASS_KNOWN_TO: f64 = 0.75;
+
+/// The unsprung mass as a share of the moving mass where the file has none: nut and tube of the THOR actuator, 0.15 kg of
+/// 294.9 kg (the dissertation's own estimate, section 4-5-1).
 const UNSPRUNG_SHARE: f64 = 0.15 / 294.9;
 
 #[cfg(test)]
@@ -51,7 +66,7 @@ mod tests {
     #[test]
     fn neutral_is_no_compliance() {
         let mut plant = Plant::new(294.0, 0.6, 0.0, 6e5);
-        SeriesComplianceEffect.install(&[f64::INFINITY], None, &mut plant);
+        SeriesComplianceEffect.install(&[f64::INFINITY, 0.1], None, &mut plant);
         assert_eq!(plant.series, None);
     }
 }

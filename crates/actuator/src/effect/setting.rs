@@ -28,6 +28,8 @@ pub enum Quantity {
     Damping,
     /// Force per squared speed.
     QuadraticDrag,
+    /// Force per acceleration.
+    Inertia,
 }
 
 impl Quantity {
@@ -49,6 +51,8 @@ impl Quantity {
             (Self::Damping, Rotary) => ("_nm_s_rad", "N m s/rad"),
             (Self::QuadraticDrag, Linear) => ("_n_s2_m2", "N s^2/m^2"),
             (Self::QuadraticDrag, Rotary) => ("_nm_s2_rad2", "N m s^2/rad^2"),
+            (Self::Inertia, Linear) => ("_mass_kg", "kg"),
+            (Self::Inertia, Rotary) => ("_inertia_kg_m2", "kg m^2"),
         }
     }
 }
@@ -62,6 +66,10 @@ pub struct Setting {
     pub stiffness: f64,
     /// Nominal total moving mass `m_T`, kg.
     pub total_mass: f64,
+    /// Nominal unsprung mass of the actuator, kg; 0 where it is not known.
+    pub unsprung_mass: f64,
+    /// Whether link 2 has the unsprung mass in its own, so that it cannot be another one here.
+    pub unsprung_in_link: bool,
     /// Screw travel per rotor angle, m/rad.
     pub travel_per_rad: f64,
     /// Motor force per unit of command, N/A for a current, 1 for a force.
@@ -82,6 +90,8 @@ impl Setting {
             kind: ActuatorKind::Linear,
             stiffness: 1.0,
             total_mass: 1.0,
+            unsprung_mass: 0.0,
+            unsprung_in_link: false,
             travel_per_rad: 1.0,
             force_per_command: 1.0,
             output_arm_m: None,

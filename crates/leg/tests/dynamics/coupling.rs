@@ -70,7 +70,7 @@ fn errors_with(text: &str, compliances: &[(&str, f64)], fine_s: f64) -> [Error; 
     let scenario = Scenario::from_toml(&text, "test", &[]).expect("good");
     let reference = LegReference::new(&scenario, robot(), &LegIndividual::nominal(6)).expect("good");
     let reference = compliances.iter().fold(reference, |leg, (place, stiffness)| {
-        leg.with(&format!("{place}/series-compliance"), &[*stiffness])
+        leg.with(&format!("{place}/series-compliance"), &[*stiffness, 0.08])
     });
     let truth = reference.run(fine_s, 1e-3).expect("runs");
     [2e-4, 1e-4, 5e-5].map(|step_s| {

@@ -130,7 +130,9 @@ impl Hidden {
                 vec![("stiffness_n_m", force / d.magnitude(1e-5, 1e-4)), ("slip_force_n", force)]
             }
             "backlash" => vec![("gap_m", 3e-5 * a)],
-            "series-compliance" => vec![("stiffness_n_m", 2e7 / a)],
+            "series-compliance" => {
+                vec![("stiffness_n_m", 2e7 / a), ("unsprung_mass_kg", d.between(0.05, 0.15))]
+            }
             "structural-mode" => {
                 let (frequency, ratio) = (d.between(55.0, 95.0), d.magnitude(0.02, 0.08));
                 vec![("frequency_hz", frequency), ("damping_ratio", ratio), ("participation", 0.4 * a)]

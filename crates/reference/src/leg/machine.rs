@@ -201,7 +201,7 @@ impl Machine<'_> {
     ) -> Option<f64> {
         let (part, row, end) = (&self.of.parts[i], self.of.bodies + i, self.of.screw_end(i)?);
         let force = part.series? * s.x[end];
-        let moving = part.sprung + part.unsprung();
+        let moving = part.sprung + part.unsprung;
         to.a[end][end] += moving;
         to.a[end][row] -= part.sprung;
         to.a[row][end] -= part.sprung;

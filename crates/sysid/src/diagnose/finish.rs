@@ -235,7 +235,7 @@ impl Search<'_> {
     }
 
     /// Values with one parameter held where it starts, while the others follow for a few steps, with the cost.
-    fn following(
+    pub(super) fn following(
         &self,
         model: &dyn Model,
         start: Vec<f64>,

@@ -16,6 +16,7 @@ mod experiment;
 mod finish;
 mod left;
 mod nested;
+mod profile;
 mod rig;
 mod rivals;
 mod rugged;

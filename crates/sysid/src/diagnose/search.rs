@@ -5,7 +5,7 @@ use super::candidate::Effort;
 use super::compare::{clearly_better, worth};
 use super::left::{FAR_ABOVE, NEAR_FLOOR};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
-use super::{Candidate, Options, Progress, Validation};
+use super::{Candidate, Options, Progress, Validation, profile};
 use crate::data::Data;
 use crate::fit::Difference;
 use rayon::prelude::*;
@@ -152,6 +152,7 @@ impl Search<'_> {
         let same = self.by_another_name(chosen);
         tied.retain(|i| !same.contains(i));
         let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
+        let (settled, room) = self.profiled(settled);
         self.tried[chosen] = settled;
         let base_as_searched = self.tried[0].validation.clone();
         for i in [0, chosen] {
@@ -159,6 +160,7 @@ impl Search<'_> {
                 self.tried[i] = self.polished(&self.tried[i]);
             }
         }
+        profile::widen(&mut self.tried[chosen], &room);
         Found { tried: self.tried, chosen, tied, same, promises, base_as_searched }
     }
 
