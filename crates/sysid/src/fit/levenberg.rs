@@ -73,6 +73,9 @@ const RELATIVE: f64 = 1e-5;
 /// as good as they were: 0.5 is one standard error of a parameter.
 const SMALL: f64 = 0.5;
 
+/// Damping does not fall below this.
+const LEAST_DAMPING: f64 = 1e-12;
+
 /// Steps are given up when damping has grown beyond this.
 const MOST_DAMPING: f64 = 1e9;
 
@@ -228,6 +231,11 @@ impl Search {
                 Proposal::Stuck => break,
             };
             if promised < enough {
+                // In a valley that only a prior closes it is the damping that promises so little.
+                if refused == 0 && self.damping > LEAST_DAMPING {
+                    self.damping = (self.damping * 1e-3).max(LEAST_DAMPING);
+                    continue;
+                }
                 break;
             }
             let taken = self.taken;
@@ -260,7 +268,7 @@ impl Search {
                     r if r > 0.2 => 0.3,
                     _ => 4.0,
                 };
-                self.damping = self.damping.max(1e-12);
+                self.damping = self.damping.max(LEAST_DAMPING);
                 return;
             }
             refused += 1;

@@ -87,6 +87,27 @@ fn a_tight_prior_outweighs_the_data_and_a_loose_one_does_not() {
 }
 
 #[test]
+fn a_valley_that_only_priors_close_is_followed_from_where_its_floor_is_entered() {
+    // Mass, damping and stiffness in proportion are a gain of the deflection's sensor; with so little noise the walls are
+    // millions of times steeper than the priors.
+    let noise = (2e-4, 1e-6);
+    let records = (0..2).map(|seed| (Role::Fit, run(&TRUTH, 800, seed, noise, (1.0, 0.0), 1.0))).collect();
+    let campaign = campaign(records, noise);
+    let mut toy = Toy::new();
+    for (p, truth) in toy.parameters.iter_mut().zip(TRUTH) {
+        (p.value, p.prior_std) = (truth, Some(0.01 * truth));
+    }
+    let data = Data::new(&campaign, Some(Role::Fit), &toy).unwrap();
+    let from = |start: Vec<f64>| {
+        fit(&data, &toy, &FitOptions { start: Some(start), ..FitOptions::default() }).unwrap()
+    };
+    let near = from(TRUTH.to_vec());
+    let far = from(near.values.iter().map(|v| 1.03 * v).collect());
+    assert!((far.cost - near.cost).abs() < 0.1, "{} {}", near.cost, far.cost);
+    assert!((far.values[0] - near.values[0]).abs() < 0.2 * near.parameters[0].std);
+}
+
+#[test]
 fn fixed_parameters_stay_and_silent_ones_are_named() {
     let mut toy = Toy::new();
     toy.parameters[0].fixed = true;
