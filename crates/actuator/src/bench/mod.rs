@@ -220,7 +220,6 @@ impl BenchModel {
             stiffness: c.stiffness,
             total_mass: c.total_mass(),
             unsprung_mass: c.unsprung_mass,
-            unsprung_in_link: false,
             travel_per_rad: self.spec.ratio(),
             force_per_command: if command_is_force { 1.0 } else { c.force_constant },
             output_arm_m: match self.bench {

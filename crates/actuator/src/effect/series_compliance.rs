@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, with_neutral, with_starts};
 use crate::plant::{Plant, SeriesCompliance};
-use sealegs_model::{EffectCard, Parameter, Scale};
+use sealegs_model::{EffectCard, Parameter};
 
 /// Compliance of universal joints and clamp between screw and link 2.
 #[derive(Debug)]
@@ -19,16 +19,13 @@ impl Effect for SeriesComplianceEffect {
             ),
             f64::INFINITY,
         );
+        // The mass is the file's. Free beside the stiffness it leads astray: where the end rings undamped the error has a comb
+        // of valleys along both.
         let stated = setting.unsprung_mass;
         let mass = if stated > 0.0 { stated } else { UNSPRUNG_SHARE * setting.total_mass };
         let mass = Parameter {
-            prior_std: Some(MASS_KNOWN_TO * mass),
-            fixed: setting.unsprung_in_link,
-            scale: Scale::Linear,
-            ..with_starts(
-                setting.magnitude("unsprung", Quantity::Inertia, mass, 0.1 * mass, 10.0 * mass),
-                [2.0 * mass],
-            )
+            fixed: true,
+            ..setting.magnitude("unsprung", Quantity::Inertia, mass, 0.1 * mass, 10.0 * mass)
         };
         EffectCard {
             id: "series-compliance".to_owned(),
@@ -49,11 +46,6 @@ impl Effect for SeriesComplianceEffect {
         }
     }
 }
-
-/// What is known of the unsprung mass, as a share of it: for THOR's actuator the dissertation gives 0.08 kg (Table 2 less
-/// Table 5) and, of nut and tube in another design, 0.15 kg (section 4-5-1). Where both springs are stiff only it and the
-/// sprung mass tell them apart, so that a value that is held would be paid for by the stiffness.
-const MASS_KNOWN_TO: f64 = 0.75;
 
 /// The unsprung mass as a share of the moving mass where the file has none: nut and tube of the THOR actuator, 0.15 kg of
 /// 294.9 kg (the dissertation's own estimate, section 4-5-1).

@@ -68,8 +68,6 @@ pub struct Setting {
     pub total_mass: f64,
     /// Nominal unsprung mass of the actuator, kg; 0 where it is not known.
     pub unsprung_mass: f64,
-    /// Whether link 2 has the unsprung mass in its own, so that it cannot be another one here.
-    pub unsprung_in_link: bool,
     /// Screw travel per rotor angle, m/rad.
     pub travel_per_rad: f64,
     /// Motor force per unit of command, N/A for a current, 1 for a force.
@@ -91,7 +89,6 @@ impl Setting {
             stiffness: 1.0,
             total_mass: 1.0,
             unsprung_mass: 0.0,
-            unsprung_in_link: false,
             travel_per_rad: 1.0,
             force_per_command: 1.0,
             output_arm_m: None,

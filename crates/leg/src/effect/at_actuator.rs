@@ -57,7 +57,6 @@ pub(super) fn setting(place: &str, leg: &LegSetting) -> Setting {
         stiffness: c.stiffness,
         total_mass: c.total_mass(),
         unsprung_mass: c.unsprung_mass,
-        unsprung_in_link: true,
         travel_per_rad: travel,
         force_per_command: c.force_constant,
         output_arm_m: None,
