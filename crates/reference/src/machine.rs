@@ -85,8 +85,8 @@ impl<'a> Machine<'a> {
                 End::Pendulum { mass_kg, length_m, arm_m } => put(mass_kg * (length_m / arm_m).powi(2), &row),
             }
         }
-        if of.series.is_some() {
-            put(of.unsprung, &unit(screw_end));
+        if let Some([_, unsprung]) = of.series {
+            put(unsprung, &unit(screw_end));
         }
         if let Some(w) = of.wobbling {
             put(w[0], &unit(wobbling));
@@ -130,7 +130,7 @@ impl<'a> Machine<'a> {
             q[i] -= spring;
         }
         let x_2 = dot(&self.link_2, x);
-        if let (Some(k), Some(s)) = (of.series, self.screw_end) {
+        if let (Some([k, _]), Some(s)) = (of.series, self.screw_end) {
             let force = k * (x[s] - x_2);
             q[s] -= force;
             q = add(&q, force, &self.link_2);
@@ -168,7 +168,7 @@ impl<'a> Machine<'a> {
         let force_1 = self.spring(state) + state.slip[1];
         let x_2 = dot(&self.link_2, &state.x);
         let force_2 = match (self.of.series, self.screw_end) {
-            (Some(k), Some(s)) => k * (state.x[s] - x_2),
+            (Some([k, _]), Some(s)) => k * (state.x[s] - x_2),
             _ => force_1 - self.of.sprung * acceleration[P],
         };
         let deflection = self.link_1.map_or(0.0, |i| state.x[i]) - state.x[P];

@@ -75,10 +75,8 @@ pub struct Reference {
     pub spring_slip: Option<[f64; 2]>,
     /// Width of the dead zone.
     pub gap: f64,
-    /// Spring between screw and link 2.
-    pub series: Option<f64>,
-    /// Unsprung mass, which a series compliance carries, kg.
-    pub unsprung: f64,
+    /// Spring between screw and link 2, and the unsprung mass that it carries.
+    pub series: Option<[f64; 2]>,
     /// Dry friction at the output, referred to the axis.
     pub output_friction: f64,
     /// Wobbling mass: mass, radius, frequency in Hz, damping ratio.
@@ -133,7 +131,6 @@ impl Reference {
             spring_slip: None,
             gap: 0.0,
             series: None,
-            unsprung: 0.0,
             output_friction: 0.0,
             wobbling: None,
             sensors: SensorErrors::default(),
@@ -159,7 +156,6 @@ impl Reference {
             Bench::Masses { link_1_kg, link_2_kg } => (mass(link_1_kg), mass(link_2_kg)),
         };
         Self {
-            unsprung: c.unsprung_mass,
             travel_per_rad: spec.ratio(),
             force_per_command: if input == "current_a" { c.force_constant } else { 1.0 },
             link_1,
@@ -192,7 +188,7 @@ impl Reference {
             "spring-damping" => self.spring_damping = values[0],
             "spring-hysteresis" => self.spring_slip = Some([values[0], values[1]]),
             "backlash" => self.gap = values[0],
-            "series-compliance" => (self.series, self.unsprung) = (Some(values[0]), values[1]),
+            "series-compliance" => self.series = Some([values[0], values[1]]),
             "structural-mode" => self.sensors.mode = Some([values[0], values[1], values[2]]),
             "sensor-lag" => self.sensors.lag = Some((channel, values[0])),
             "sensor-delay" => self.sensors.delay = Some((channel, values[0])),

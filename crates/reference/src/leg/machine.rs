@@ -200,8 +200,9 @@ impl Machine<'_> {
         to: &mut Equations,
     ) -> Option<f64> {
         let (part, row, end) = (&self.of.parts[i], self.of.bodies + i, self.of.screw_end(i)?);
-        let force = part.series? * s.x[end];
-        let moving = part.sprung + part.unsprung;
+        let [stiffness, unsprung] = part.series?;
+        let force = stiffness * s.x[end];
+        let moving = part.sprung + unsprung;
         to.a[end][end] += moving;
         to.a[end][row] -= part.sprung;
         to.a[row][end] -= part.sprung;

@@ -111,7 +111,7 @@ impl LegReference {
             let acceleration = machine.accelerate(state, &system, &machine.modes(state, &currents));
             for &(i, end) in &ends {
                 let force = acceleration[end] / system.mobility(end)[end];
-                let more = self.parts[i].series.map_or(0.0, |stiffness| force / stiffness);
+                let more = self.parts[i].series.map_or(0.0, |[stiffness, _]| force / stiffness);
                 state.x[end] += more;
                 machine.rest[i] += more;
             }

@@ -218,15 +218,8 @@ impl Search<'_> {
 
     /// A lower place near the candidate, where each strength was moved a little and all others followed it.
     fn followed(&self, candidate: &Candidate, strength: impl Fn(&usize) -> bool) -> Option<Vec<f64>> {
-        let own = candidate.fit.free.iter().copied().filter(strength);
         let model = candidate.model.as_ref();
-        let nudged = |i: usize, ratio: f64| {
-            let (p, mut values) = (&model.parameters()[i], candidate.fit.values.clone());
-            values[i] = (values[i] * ratio).clamp(p.min, p.max);
-            (i, values)
-        };
-        let moved: Vec<(usize, Vec<f64>)> = own.flat_map(|i| NUDGES.map(|ratio| nudged(i, ratio))).collect();
-        let places: Vec<(Vec<f64>, f64)> = moved
+        let places: Vec<(Vec<f64>, f64)> = moved(candidate, strength, &NUDGES)
             .into_par_iter()
             .filter_map(|(i, start)| self.following(model, start, i, FOLLOWING_STEPS))
             .collect();
@@ -259,17 +252,9 @@ impl Search<'_> {
         let (fit, model) = (&candidate.fit, candidate.model.as_ref());
         // Where fits are cheap, those are shaken whose order of magnitude was unknown: a frequency, a stiffness.
         let rugged = |i: usize| self.options.secants || model.parameters()[i].scale == Scale::Logarithmic;
-        let own = fit.free.iter().copied().filter(|&i| i >= self.base.parameters().len() && rugged(i));
-        let moved: Vec<(usize, Vec<f64>)> = own
-            .flat_map(|i| {
-                SHAKES.iter().filter_map(move |ratio| {
-                    let p = &model.parameters()[i];
-                    let mut moved = fit.values.clone();
-                    moved[i] = (fit.values[i] * ratio).clamp(p.min, p.max);
-                    (moved[i] != fit.values[i]).then_some((i, moved))
-                })
-            })
-            .collect();
+        let own = |i: &usize| *i >= self.base.parameters().len() && rugged(*i);
+        let mut moved = moved(candidate, own, &SHAKES);
+        moved.retain(|(i, values)| values[*i] != fit.values[*i]);
         let looked_at = |(i, moved): (usize, Vec<f64>)| {
             if self.options.secants {
                 let cost = self.data.evaluate(model, &moved).map_or(f64::INFINITY, |e| e.cost);
@@ -327,4 +312,20 @@ impl Search<'_> {
                 |(model, fit)| Candidate::exactly(self.data, candidate.effects.clone(), model, fit),
             )
     }
+}
+
+/// Values of a candidate with each of some of its free parameters moved by each ratio, as far as its bounds admit.
+pub(super) fn moved(
+    candidate: &Candidate,
+    which: impl Fn(&usize) -> bool,
+    ratios: &[f64],
+) -> Vec<(usize, Vec<f64>)> {
+    let parameters = candidate.model.parameters();
+    let by = |i: usize, ratio: f64| {
+        let mut values = candidate.fit.values.clone();
+        values[i] = (values[i] * ratio).clamp(parameters[i].min, parameters[i].max);
+        (i, values)
+    };
+    let own = candidate.fit.free.iter().copied().filter(which);
+    own.flat_map(|i| ratios.iter().map(move |ratio| (i, *ratio))).map(|(i, ratio)| by(i, ratio)).collect()
 }

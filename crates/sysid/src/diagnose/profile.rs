@@ -2,6 +2,7 @@
 //! derivatives see the walls of one and promise more than the data.
 
 use super::Candidate;
+use super::finish::moved;
 use super::search::{EQUAL_COST, Search};
 use rayon::prelude::*;
 use sealegs_model::Scale;
@@ -56,19 +57,8 @@ impl Search<'_> {
         let parameters = model.parameters();
         let of_unknown_order =
             |i: &usize| *i >= self.base.parameters().len() && parameters[*i].scale == Scale::Logarithmic;
-        let moved: Vec<(usize, Vec<f64>)> = fit
-            .free
-            .iter()
-            .copied()
-            .filter(of_unknown_order)
-            .flat_map(|i| RATIOS.map(|ratio| (i, ratio)))
-            .map(|(i, ratio)| {
-                let mut values = fit.values.clone();
-                values[i] = (values[i] * ratio).clamp(parameters[i].min, parameters[i].max);
-                (i, values)
-            })
-            .filter(|(i, values)| values[*i] != fit.values[*i])
-            .collect();
+        let mut moved = moved(candidate, of_unknown_order, &RATIOS);
+        moved.retain(|(i, values)| values[*i] != fit.values[*i]);
         moved.into_par_iter().filter_map(|(i, start)| self.following(model, start, i, STEPS)).collect()
     }
 }
