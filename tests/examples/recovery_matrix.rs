@@ -1,11 +1,12 @@
 //! Makes the recovery matrix: `cargo run --release --example recovery_matrix -- --strengths 3 --seeds 3`.
 //!
 //! It runs long, and can be stopped: every campaign's outcome is a line of the results file, and those that are there
-//! already are not made again. Lines of an older program stay until their file is removed.
+//! already are not made again: lines of an older program stay until they are removed. The file is kept beside the page, so
+//! that the matrix can be gone on with anywhere.
 
 use clap::Parser;
 use sealegs_reference::campaign::Rig;
-use sealegs_tests::matrix::{Asked, DURATION_S, Outcome, cases, run, table};
+use sealegs_tests::matrix::{Asked, DURATION_S, Outcome, cases, error, run, table};
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,7 @@ struct Arguments {
     #[arg(long, default_value_t = 0)]
     threads: usize,
     /// Outcomes, one line each
-    #[arg(long, default_value = "target/recovery-matrix/results.jsonl")]
+    #[arg(long, default_value = "tests/recovery-matrix.jsonl")]
     results: PathBuf,
     /// Where campaigns are made, and those stay that were not diagnosed right
     #[arg(long, default_value = "target/recovery-matrix/campaigns")]
@@ -70,16 +71,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&arguments.results)?;
         writeln!(file, "{}", serde_json::to_string(&outcome)?)?;
         eprintln!(
-            "{}/{} {}: {}, {} {} ({:.2} -> {:.2}, {:.0} s)",
+            "{}/{} {}: {}, {} {} ({} -> {}, {:.0} s)",
             number + 1,
             wanted.len(),
             outcome.name,
             outcome.score,
             outcome.verdict,
             outcome.said.join(" + "),
-            outcome.base_error,
-            outcome.after_error,
-            outcome.seconds
+            error(outcome.base_error),
+            error(outcome.after_error),
+            outcome.seconds.unwrap_or(0.0)
         );
         done.push(outcome);
     }

@@ -6,7 +6,7 @@
 
 mod table;
 
-pub use table::table;
+pub use table::{error, table};
 
 use sealegs_actuator::ActuatorSpec;
 use sealegs_cli::bench_model;
@@ -104,7 +104,8 @@ pub fn cases(asked: &Asked) -> Vec<Case> {
     all
 }
 
-/// What came out, as a line of the results file keeps it.
+/// What came out, as a line of the results file keeps it. Lines that were read back from a page know no more than it
+/// says: the score, and the errors of what was not right.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Outcome {
     /// [`Case::name`].
@@ -124,9 +125,9 @@ pub struct Outcome {
     /// What could not be told from it.
     pub tied: Vec<Vec<String>>,
     /// Error of the base model on the holdout runs, noise units.
-    pub base_error: f64,
+    pub base_error: Option<f64>,
     /// The same with what was named.
-    pub after_error: f64,
+    pub after_error: Option<f64>,
     /// Greatest relative error of a parameter of the effect, where exactly the hidden ones were named.
     pub worst_parameter: Option<f64>,
     /// What was stated of the base model's and the effects' parameters beside the truth, where exactly the hidden ones
@@ -134,7 +135,7 @@ pub struct Outcome {
     #[serde(default)]
     pub stated: Vec<Stated>,
     /// Time of the diagnosis, s.
-    pub seconds: f64,
+    pub seconds: Option<f64>,
 }
 
 /// A fitted parameter beside its true value.
@@ -198,11 +199,11 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         verdict: String::new(),
         said: Vec::new(),
         tied: Vec::new(),
-        base_error: 1.0,
-        after_error: 1.0,
+        base_error: None,
+        after_error: None,
         worst_parameter: None,
         stated: Vec::new(),
-        seconds: 0.0,
+        seconds: None,
     };
     let mut hidden = Vec::new();
     for id in &case.ids {
@@ -221,7 +222,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     let model = bench_model::of_campaign(&mut campaign, None, Vec::new())?;
     let started = Instant::now();
     let found = diagnose::diagnose(&campaign, &model, &diagnose::Options::of(&model), &|_| ())?;
-    outcome.seconds = started.elapsed().as_secs_f64();
+    outcome.seconds = Some(started.elapsed().as_secs_f64());
     let verdict = &found.verdict;
     let ids: Vec<String> = made.hidden.iter().map(|h| h.id.clone()).collect();
     let known = made.hidden.iter().all(|h| h.beyond.is_none());
@@ -230,8 +231,8 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     outcome.verdict = verdict.kind.as_str().to_owned();
     outcome.said.clone_from(&verdict.effects);
     outcome.tied.clone_from(&verdict.indistinguishable);
-    outcome.base_error = verdict.base.holdout_error;
-    outcome.after_error = verdict.after.holdout_error;
+    outcome.base_error = Some(verdict.base.holdout_error);
+    outcome.after_error = Some(verdict.after.holdout_error);
     if scored == Score::Right {
         outcome.stated = stated(&made, &found.found.tried[verdict.after.index].fit.parameters)?;
         outcome.worst_parameter = outcome

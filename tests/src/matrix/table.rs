@@ -76,11 +76,12 @@ fn totals(out: &mut String, outcomes: &[Outcome]) {
     }
     let told: Vec<f64> = outcomes.iter().filter_map(|o| o.worst_parameter).collect();
     let close = told.iter().filter(|w| **w <= CLOSE).count();
-    let diagnosed: Vec<f64> = outcomes.iter().filter(|o| o.score != INVISIBLE).map(|o| o.seconds).collect();
+    let diagnosed: Vec<f64> = outcomes.iter().filter_map(|o| o.seconds).collect();
     let _ = writeln!(
         out,
-        "\nWhere exactly the hidden effects were named, every parameter of theirs is within 10 % in {close} of {}. A \
-         diagnosis took {:.0} s on average.\n",
+        "\nOf {} campaigns the fitted values are kept: where exactly the hidden effects were named, every parameter of \
+         theirs is within 10 % in {close} of {}. A diagnosis took {:.0} s on average.\n",
+        diagnosed.len(),
         told.len(),
         diagnosed.iter().sum::<f64>() / diagnosed.len().max(1) as f64
     );
@@ -136,6 +137,12 @@ fn cells(out: &mut String, outcomes: &[Outcome]) {
     }
 }
 
+/// An error in noise units, as the page and the progress say it.
+#[must_use]
+pub fn error(of: Option<f64>) -> String {
+    of.map_or_else(|| "-".to_owned(), |error| format!("{error:.2}"))
+}
+
 fn misses(out: &mut String, outcomes: &[Outcome]) {
     let bad = |o: &&Outcome| !matches!(o.score.as_str(), "right" | "tied" | INVISIBLE);
     if !outcomes.iter().any(|o| bad(&o)) {
@@ -146,8 +153,12 @@ fn misses(out: &mut String, outcomes: &[Outcome]) {
         let said = if o.said.is_empty() { String::new() } else { format!(": {}", o.said.join(" + ")) };
         let _ = writeln!(
             out,
-            "| {} | {} | {}{said} | {:.2} | {:.2} |",
-            o.name, o.score, o.verdict, o.base_error, o.after_error
+            "| {} | {} | {}{said} | {} | {} |",
+            o.name,
+            o.score,
+            o.verdict,
+            error(o.base_error),
+            error(o.after_error)
         );
     }
 }

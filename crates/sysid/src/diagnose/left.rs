@@ -25,6 +25,10 @@ const PART_OF_IT: f64 = 0.05;
 /// The same as a share of what is left, where that is little.
 const MOST_OF_IT: f64 = 0.5;
 
+/// Share of what the base model leaves below which a fit explains everything that its law can: another valley of the
+/// same law would leave more.
+const TRACE: f64 = 1e-5;
+
 /// Error as a ratio of the least so far, where that is near the floor, beyond which a set is given up after its race.
 const HOPELESS: f64 = 5.0;
 
@@ -82,11 +86,13 @@ impl Search<'_> {
         mean_square_difference(&exactly, &candidate.fit.evaluation)
     }
 
-    /// Whether a fit leaves no more than the noise and the error of the search's steps.
+    /// Whether a fit leaves no more than the noise and the error of the search's steps, or a trace of what the base model
+    /// leaves: it rests in the right valley.
     pub(super) fn is_settled(&self, candidate: &Candidate) -> bool {
         let (error, floor) = (candidate.fit.error(), self.data.floor);
         let near = || error <= NEAR_FLOOR * floor && excess(error, floor) <= self.step_error(candidate);
-        error <= AT_FLOOR * floor || near()
+        let trace = TRACE * excess(self.tried[0].fit.error(), floor);
+        error <= AT_FLOOR * floor || excess(error, floor) <= trace || near()
     }
 
     /// Whether nothing is left to explain.
