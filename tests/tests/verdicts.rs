@@ -1,5 +1,6 @@
 //! What a verdict names and calls indistinguishable: richer laws only where the data leave open what they add, what
-//! one moment alone has felt where it explains all of it, and a count a thousandth of the greatest command.
+//! one moment alone has felt where it explains all of it, a count a thousandth of the greatest command, and a delay that
+//! may be a sample longer.
 
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::Bench;
@@ -138,4 +139,25 @@ fn a_fine_count_is_found_and_its_standard_error_is_the_room_that_it_has() {
     let count = fit.parameters.iter().find(|p| p.name == "command-quantisation.count_a").unwrap();
     let off = (count.value - COUNT_A).abs();
     assert!(off < 4.0 * count.std && count.std < 1e-3 * COUNT_A, "{off} off, standard error {}", count.std);
+}
+
+#[test]
+fn a_delay_may_be_a_sample_longer_or_shorter_by_the_end_of_a_period_that_rows_are_stamped_at() {
+    const DELAY_S: f64 = 3.4e-3;
+    let noise = |seed| sampled(&Profile::Noise { rms: 1.0, bandwidth_hz: 10.0, seed }, 3.0);
+    let runs = [("fit", noise(1)), ("fit", noise(2)), ("holdout", noise(3))];
+    let Diagnosis { verdict, found, .. } = diagnosis(("transport-delay", &[DELAY_S]), true, &runs);
+    assert_eq!(verdict.effects, one("transport-delay"));
+    let fit = &found.tried[verdict.after.index].fit;
+    let stated = fit.parameters.iter().find(|p| p.name == "transport-delay.delay_s").unwrap();
+    let [open] = &found.open[..] else { panic!("{:?}", found.open) };
+    let [(name, other)] = &open.values[..] else { panic!("{:?}", open.values) };
+    assert_eq!(name, "transport-delay.delay_s");
+    assert!(
+        ((stated.value - other).abs() - PERIOD_S).abs() < 0.02 * PERIOD_S,
+        "{} and {other}",
+        stated.value
+    );
+    let off = [stated.value, *other].map(|value| (value - DELAY_S).abs());
+    assert!(off.iter().any(|off| *off < 4.0 * stated.std), "{off:?} off, standard error {}", stated.std);
 }

@@ -1,8 +1,9 @@
 //! A diagnosis in the data contract's words: what `--json` writes and what text and report print.
 
 use sealegs_sysid::Fit;
-use sealegs_sysid::diagnose::{Diagnosis, Judged, VerdictKind};
+use sealegs_sysid::diagnose::{Diagnosis, Judged, OpenChoice, VerdictKind};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The contract's keys, and a few more.
 #[derive(Debug, Clone, Serialize)]
@@ -21,6 +22,8 @@ pub struct Outcome {
     pub indistinguishable: Vec<Vec<String>>,
     /// Sets of richer laws that fit as well because they are the named ones by another name: a departure would show.
     pub same_by_another_name: Vec<Vec<String>>,
+    /// Conventions of the log that explain the fit runs as well, and the values that differ under them.
+    pub equally_good_choices: Vec<Choice>,
     /// The model with the effects.
     pub after: Option<Side>,
     /// Part of the residual energy above the floor that is left.
@@ -39,6 +42,22 @@ pub struct Outcome {
     pub work: Work,
     /// Where the numbers come from.
     pub provenance: super::provenance::Provenance,
+}
+
+/// A convention under which the data are explained as well.
+#[derive(Debug, Clone, Serialize)]
+pub struct Choice {
+    /// Parameters of the base model that are choices, with what is chosen.
+    pub choices: BTreeMap<String, f64>,
+    /// Values that differ by more than three standard errors then, each in its parameter's unit.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+impl Choice {
+    fn of(open: &OpenChoice) -> Self {
+        let by_name = |pairs: &[(String, f64)]| pairs.iter().cloned().collect();
+        Self { choices: by_name(&open.choices), parameters: by_name(&open.values) }
+    }
 }
 
 /// A model with its errors.
@@ -199,6 +218,11 @@ impl Outcome {
             effects: verdict.effects.clone(),
             indistinguishable: verdict.indistinguishable.clone(),
             same_by_another_name: verdict.same_by_another_name.clone(),
+            equally_good_choices: if named {
+                diagnosis.found.open.iter().map(Choice::of).collect()
+            } else {
+                Vec::new()
+            },
             after: named.then(|| side(&verdict.after)),
             unexplained_share: verdict.unexplained_share,
             ranking: verdict

@@ -2,7 +2,7 @@
 
 use super::outcome::{Outcome, percent};
 use super::story::Story;
-use super::text::{another_name, digits_for, evidence, figures as number};
+use super::text::{another_name, digits_for, evidence, figures as number, other_conventions};
 use super::{figures, friction};
 use crate::comparison::page::{depends, place};
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue};
@@ -209,7 +209,7 @@ fn ambiguity(page: &mut Report, o: &Outcome) {
         page.paragraph("On these data the following sets predict as well as the one that is named:");
         page.list(&o.indistinguishable.iter().map(|s| s.join(" + ")).collect::<Vec<_>>());
     }
-    if let Some(sentence) = another_name(o) {
+    for sentence in another_name(o).into_iter().chain(other_conventions(o)) {
         page.paragraph(&sentence);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::outcome::{Outcome, ParameterValue, Side};
 use sealegs_sysid::diagnose::DEPARTURE;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::time::Duration;
 
@@ -64,6 +65,9 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     );
     out.push_str(&parameter_lines(&side.parameters));
     let o = &mut out;
+    for sentence in other_conventions(outcome) {
+        let _ = writeln!(o, "\n{sentence}");
+    }
     let _ = writeln!(o, "\nNext experiment: {}", outcome.next_experiment);
     for note in &outcome.notes {
         let _ = writeln!(o, "note: {note}");
@@ -144,6 +148,29 @@ pub(super) fn another_name(outcome: &Outcome) -> Option<String> {
             100.0 * DEPARTURE
         )
     })
+}
+
+/// What is said of conventions of the log under which the data are explained as well, with other values.
+#[must_use]
+pub(super) fn other_conventions(outcome: &Outcome) -> Vec<String> {
+    let parameters = outcome.after.as_ref().map_or(&[][..], |after| &after.parameters);
+    let said = |(name, value): (&String, &f64)| {
+        let p = parameters.iter().find(|p| p.name == *name);
+        let (std, unit) = p.map_or((0.0, ""), |p| (p.std.unwrap_or(0.0), p.unit.as_str()));
+        format!("{name} {} {unit}", figures(*value, digits_for(*value, std))).trim_end().to_owned()
+    };
+    let list = |values: &BTreeMap<String, f64>| values.iter().map(said).collect::<Vec<_>>().join(", ");
+    outcome
+        .equally_good_choices
+        .iter()
+        .map(|other| {
+            format!(
+                "With {} (a convention of the log, which these data leave open) everything is explained as well, with {}.",
+                list(&other.choices),
+                list(&other.parameters)
+            )
+        })
+        .collect()
 }
 
 #[cfg(test)]

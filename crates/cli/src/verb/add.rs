@@ -184,6 +184,7 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
         effects: added.effects.clone(),
         indistinguishable: Vec::new(),
         same_by_another_name: Vec::new(),
+        equally_good_choices: Vec::new(),
         after: Some(after),
         unexplained_share: share,
         next_experiment: String::new(),

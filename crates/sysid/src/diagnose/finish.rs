@@ -265,38 +265,6 @@ impl Search<'_> {
         moved.into_par_iter().map(looked_at).collect()
     }
 
-    /// The candidate under the discrete choice that fits best; of choices whose costs differ by no more than
-    /// `equal`, the first.
-    pub(super) fn with_best_choice(&self, candidate: Candidate, equal: f64) -> Candidate {
-        let choices = fit::choices(self.base);
-        let parameters = self.base.parameters();
-        let discrete: Vec<usize> = (0..parameters.len())
-            .filter(|&i| parameters[i].fixed && !parameters[i].starts.is_empty())
-            .collect();
-        if discrete.is_empty() {
-            return candidate;
-        }
-        let mut all: Vec<Candidate> = Vec::new();
-        for choice in choices {
-            let mut known = candidate.known();
-            let mut same = true;
-            for &i in &discrete {
-                let Some(entry) = known.iter_mut().find(|(name, _)| *name == parameters[i].name) else {
-                    continue;
-                };
-                same &= entry.1 == choice[i];
-                entry.1 = choice[i];
-            }
-            if same {
-                all.push(candidate.clone());
-            } else {
-                all.extend(self.fitted_near(&candidate, &candidate.effects, &known));
-            }
-        }
-        let least = all.iter().map(|c| c.fit.cost).fold(f64::INFINITY, f64::min);
-        all.into_iter().find(|c| c.fit.cost <= least + equal).unwrap_or(candidate)
-    }
-
     /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors.
     pub(super) fn polished(&self, candidate: &Candidate) -> Candidate {
         let options = FitOptions {

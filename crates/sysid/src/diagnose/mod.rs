@@ -10,6 +10,7 @@
 mod adapt;
 mod candidate;
 mod compare;
+mod conventions;
 mod decide;
 mod excitations;
 mod experiment;
@@ -27,6 +28,7 @@ mod verdict;
 
 pub use candidate::{Candidate, Effort, values_by_name, with_effects};
 pub use compare::clearly_better;
+pub use conventions::OpenChoice;
 pub use experiment::{Experiment, Limits, Play, next_experiment};
 pub use nested::DEPARTURE;
 pub use rugged::{fit_holding, tuned};

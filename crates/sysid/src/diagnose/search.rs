@@ -5,7 +5,7 @@ use super::candidate::Effort;
 use super::compare::{clearly_better, worth};
 use super::left::{FAR_ABOVE, NEAR_FLOOR};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
-use super::{Candidate, Options, Progress, Validation, profile};
+use super::{Candidate, OpenChoice, Options, Progress, Validation, profile};
 use crate::data::Data;
 use crate::fit::Difference;
 use rayon::prelude::*;
@@ -22,6 +22,8 @@ pub struct Found {
     pub tied: Vec<usize>,
     /// Indices of sets that are the chosen one by another name: richer laws from whose simple form nothing departs.
     pub same: Vec<usize>,
+    /// Choices of the base model that explain the fit runs as well, with other values.
+    pub open: Vec<OpenChoice>,
     /// What screening promised of each effect beside the base model.
     pub promises: Vec<Promise>,
     /// How the base model predicts what was left out, as exactly as the search was: what the sets that were not
@@ -151,9 +153,9 @@ impl Search<'_> {
         let (chosen, mut tied) = self.standing(holdout, chosen, tied);
         let same = self.by_another_name(chosen);
         tied.retain(|i| !same.contains(i));
-        let settled = self.with_best_choice(self.tried[chosen].clone(), EQUAL_COST);
-        let (settled, room) = self.profiled(settled);
-        self.tried[chosen] = settled;
+        let (settled, others) = self.settled(self.tried[chosen].clone());
+        let (profiled, room) = self.profiled(settled.clone());
+        self.tried[chosen] = profiled;
         let base_as_searched = self.tried[0].validation.clone();
         for i in [0, chosen] {
             if !self.tried[i].exact {
@@ -161,7 +163,8 @@ impl Search<'_> {
             }
         }
         profile::widen(&mut self.tried[chosen], &room);
-        Found { tried: self.tried, chosen, tied, same, promises, base_as_searched }
+        let open = self.open_choices(&settled, &others, &self.tried[chosen]);
+        Found { tried: self.tried, chosen, tied, same, open, promises, base_as_searched }
     }
 
     pub(super) fn screen_beside(&mut self, from: usize, size: usize) -> Vec<Promise> {

@@ -1,0 +1,99 @@
+//! Choices of the base model that these data leave open, such as which end of a period a logger's rows are stamped at,
+//! and what the fitted values are under the other one.
+
+use super::Candidate;
+use super::search::{EQUAL_COST, Search};
+use crate::fit;
+
+/// Standard errors by which a value must differ under another choice to be said.
+const DIFFERS: f64 = 3.0;
+
+/// A discrete choice that explains the fit runs as well as the one that was made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpenChoice {
+    /// The choices, by the parameters' names.
+    pub choices: Vec<(String, f64)>,
+    /// Values that differ by more than three standard errors then, by the parameters' names.
+    pub values: Vec<(String, f64)>,
+}
+
+impl Search<'_> {
+    /// The candidate under the discrete choice that fits best; of choices whose costs differ by no more than
+    /// `equal`, the first.
+    pub(super) fn with_best_choice(&self, candidate: Candidate, equal: f64) -> Candidate {
+        let all = self.under_every_choice(&candidate);
+        first_of_the_best(&all, equal).map_or(candidate, |first| all[first].clone())
+    }
+
+    /// The candidate under the first of the choices that fit equally well, and the other ones.
+    pub(super) fn settled(&self, candidate: Candidate) -> (Candidate, Vec<Candidate>) {
+        let mut all = self.under_every_choice(&candidate);
+        let Some(first) = first_of_the_best(&all, EQUAL_COST) else { return (candidate, Vec::new()) };
+        let chosen = all.swap_remove(first);
+        all.retain(|c| (c.fit.cost - chosen.fit.cost).abs() <= EQUAL_COST);
+        (chosen, all)
+    }
+
+    /// Fits under every discrete choice of the base model, in their order; empty where it has none.
+    fn under_every_choice(&self, candidate: &Candidate) -> Vec<Candidate> {
+        let discrete = self.discrete();
+        if discrete.is_empty() {
+            return Vec::new();
+        }
+        let mut all: Vec<Candidate> = Vec::new();
+        for choice in fit::choices(self.base) {
+            let mut known = candidate.known();
+            let mut same = true;
+            for &i in &discrete {
+                let name = &self.base.parameters()[i].name;
+                let Some(entry) = known.iter_mut().find(|(n, _)| n == name) else { continue };
+                same &= entry.1 == choice[i];
+                entry.1 = choice[i];
+            }
+            if same {
+                all.push(candidate.clone());
+            } else {
+                all.extend(self.fitted_near(candidate, &candidate.effects, &known));
+            }
+        }
+        all
+    }
+
+    /// Which parameters of the base model are discrete choices.
+    fn discrete(&self) -> Vec<usize> {
+        let parameters = self.base.parameters();
+        (0..parameters.len()).filter(|&i| parameters[i].fixed && !parameters[i].starts.is_empty()).collect()
+    }
+
+    /// What the final candidate's values are under the other choices, as far as they differ: by as much as they did in
+    /// the search.
+    pub(super) fn open_choices(
+        &self,
+        settled: &Candidate,
+        others: &[Candidate],
+        last: &Candidate,
+    ) -> Vec<OpenChoice> {
+        let discrete = self.discrete();
+        let name = |i: usize| last.fit.parameters[i].name.clone();
+        others
+            .iter()
+            .map(|other| {
+                let shift = |i: usize| other.fit.values[i] - settled.fit.values[i];
+                let differs = |i: &usize| shift(*i).abs() > DIFFERS * last.fit.parameters[*i].std;
+                OpenChoice {
+                    choices: discrete.iter().map(|&i| (name(i), other.fit.values[i])).collect(),
+                    values: (last.fit.free.iter().copied().filter(differs))
+                        .map(|i| (name(i), last.fit.values[i] + shift(i)))
+                        .collect(),
+                }
+            })
+            .filter(|open| !open.values.is_empty())
+            .collect()
+    }
+}
+
+/// The first whose cost is no more than `equal` above the least.
+fn first_of_the_best(all: &[Candidate], equal: f64) -> Option<usize> {
+    let least = all.iter().map(|c| c.fit.cost).fold(f64::INFINITY, f64::min);
+    all.iter().position(|c| c.fit.cost <= least + equal)
+}
