@@ -73,7 +73,8 @@ impl DriveLimit for Voltage {
         }
         let back_emf = self.force_per_current * y_dot;
         let current = |volts: f64| self.force_per_current * (volts - back_emf) / self.resistance;
-        commanded.clamp(current(-self.bus), current(self.bus))
+        // Not `clamp`, which refuses bounds that are no numbers: a simulation that diverges ends with an error of its own.
+        commanded.max(current(-self.bus)).min(current(self.bus))
     }
 }
 
@@ -87,5 +88,34 @@ mod tests {
         // 0.1 m/s is 24 V of back-EMF: between -36 A and 12 A are left.
         assert_eq!(law.limit(20.0 * 240.0, 0.1), 12.0 * 240.0);
         assert_eq!(law.limit(-20.0 * 240.0, 0.1), -20.0 * 240.0);
+    }
+
+    #[test]
+    fn a_simulation_that_diverges_beside_it_ends_with_an_error() {
+        let spec = crate::ActuatorSpec::preset("thor-linear").unwrap();
+        let bench = crate::bench::BenchModel::new(spec, crate::bench::Bench::Locked).unwrap();
+        let seen = sealegs_model::Excitation::default();
+        let mut model = sealegs_model::Model::with_effect(&bench, "voltage-saturation", &seen).unwrap();
+        let time_s: Vec<f64> = (0..4000).map(|n| f64::from(n) * 1e-3).collect();
+        let values = time_s.iter().map(|t| (60.0 * t).sin()).collect();
+        let record = sealegs_model::Record {
+            name: "swing".to_owned(),
+            time_s,
+            hold: sealegs_model::InputHold::ZeroOrder,
+            inputs: vec![sealegs_model::Signal { channel: "current_a".to_owned(), values }],
+            outputs: Vec::new(),
+        };
+        // No winding has so little resistance: in one step its back-EMF brakes the rotor many times over.
+        let values: Vec<f64> = model
+            .parameters()
+            .iter()
+            .map(|p| match p.name.as_str() {
+                "voltage-saturation.resistance_ohm" => 1e-6,
+                "voltage-saturation.bus_v" => 1e-3,
+                _ => p.value,
+            })
+            .collect();
+        model = model.coarser(4.0);
+        assert!(model.predict(&values, &record, &["force_1_n".to_owned()]).is_err());
     }
 }
