@@ -1,7 +1,9 @@
 //! What a search ends with: the simplest of the sets that explain as much, what ties with it, and what the holdout runs
 //! say where the fit runs leave that open.
 
-use super::compare::{WORTH_SHARE, WORTH_SQUARED_NOISE, clearly_better, gain};
+use super::compare::{
+    WORTH_SHARE, WORTH_SQUARED_NOISE, better_on_the_whole, clearly_better, gain, runs_helped,
+};
 use super::left::{FAR_ABOVE, NEAR_FLOOR, excess};
 use super::search::{Search, all_but};
 use crate::data::Data;
@@ -20,6 +22,9 @@ const HELD_OUT_ALIKE: f64 = 1.1;
 /// Share of what is missing without it, on the holdout runs, that each effect of several takes where together they are
 /// far from explaining everything: flexible laws share out among them what none of them is.
 const EARNS: f64 = 0.5;
+
+/// Share of the held-out runs on which a set must help that is named by them.
+const MOST_RUNS: f64 = 0.75;
 
 impl Search<'_> {
     /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are
@@ -77,6 +82,32 @@ impl Search<'_> {
         as_good.min_by_key(|&i| self.tried[i].effects.len()).unwrap_or(best)
     }
 
+    /// The set, or one that gains on the whole but loses on some stretches of the fit runs, where much is left and most
+    /// of the held-out runs say that it takes most of what is missing: of several effects in a rig one may hide
+    /// another from a single run.
+    pub(super) fn confirmed(&self, holdout: &Data, best: usize) -> usize {
+        if self.tried[best].fit.error() <= FAR_ABOVE * self.data.floor {
+            return best;
+        }
+        let judge = |i: usize| {
+            let c = &self.tried[i];
+            holdout.judge(c.model.as_ref(), &c.fit.values, c.fit.sensors()).ok()
+        };
+        let Some(before) = judge(best) else { return best };
+        let missing = excess(before.rms, holdout.floor);
+        let helps = |i: &usize| {
+            judge(*i).is_some_and(|after| {
+                let (helped, all) = runs_helped(&before, &after);
+                excess(after.rms, holdout.floor) <= (1.0 - EARNS) * missing
+                    && helped as f64 >= MOST_RUNS * all as f64
+            })
+        };
+        let better = |i: &usize| better_on_the_whole(&self.tried[best], &self.tried[*i], self.data.floor);
+        let mut open: Vec<usize> = (0..self.tried.len()).filter(better).collect();
+        open.sort_by(|&a, &b| self.mean_square(a).total_cmp(&self.mean_square(b)));
+        open.into_iter().find(helps).unwrap_or(best)
+    }
+
     /// The set, without the members that do not earn their place on the holdout runs, where it is far from explaining
     /// everything.
     pub(super) fn earned(&mut self, holdout: &Data, mut best: usize) -> usize {
@@ -112,5 +143,46 @@ impl Search<'_> {
         let best = best.unwrap_or(0);
         let others = (0..all.len()).filter(|&k| k != best && errors[k] <= most).map(|k| all[k]).collect();
         (all[best], others)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnose::{Options, VerdictKind, diagnose};
+    use crate::toy::{Toy, campaign, run};
+    use crate::{Campaign, Role};
+    use sealegs_model::Record;
+
+    const NOISE: (f64, f64) = (0.2, 0.001);
+
+    /// Runs whose force sensor has so much of a cube, 1/N^2.
+    fn cubed(of_runs: &[(Role, f64)]) -> Campaign {
+        let one = |(seed, (role, a)): (u64, &(Role, f64))| -> (Role, Record) {
+            let mut record = run(&[1.1, 5.0, 380.0], 800, seed, NOISE, (1.0, 0.0), 1.0);
+            let exact = run(&[1.1, 5.0, 380.0], 800, seed, (0.0, 0.0), (1.0, 0.0), 1.0);
+            for (measured, force) in record.outputs[0].values.iter_mut().zip(&exact.outputs[0].values) {
+                *measured += a * force.powi(3);
+            }
+            (*role, record)
+        };
+        campaign((0..).zip(of_runs).map(one).collect(), NOISE)
+    }
+
+    fn named(of_runs: &[(Role, f64)]) -> (VerdictKind, Vec<String>) {
+        let campaign = cubed(of_runs);
+        let verdict = diagnose(&campaign, &Toy::new(), &Options::default(), &|_| ()).unwrap().verdict;
+        (verdict.kind, verdict.effects)
+    }
+
+    #[test]
+    fn held_out_runs_confirm_what_one_fit_run_speaks_against() {
+        const A: f64 = 0.002;
+        let fit = [(Role::Fit, A), (Role::Fit, A), (Role::Fit, A), (Role::Fit, -0.3 * A)];
+        let with = |held_out: [f64; 4]| -> Vec<(Role, f64)> {
+            fit.into_iter().chain(held_out.map(|a| (Role::Holdout, a))).collect()
+        };
+        let cube = vec!["cubic-sensor".to_owned()];
+        assert_eq!(named(&with([A, A, A, -0.2 * A])), (VerdictKind::PartlyExplained, cube));
+        assert_eq!(named(&with([A, A, -0.5 * A, -0.5 * A])), (VerdictKind::Unexplained, Vec::new()));
     }
 }

@@ -148,6 +148,7 @@ impl Search<'_> {
         }
         best = self.second_chances(best);
         best = self.supported(holdout, best);
+        best = self.confirmed(holdout, best);
         best = self.earned(holdout, best);
         let (chosen, tied) = self.ties(best);
         let (chosen, mut tied) = self.standing(holdout, chosen, tied);

@@ -1,6 +1,7 @@
 //! The verdict: what the holdout runs say of the base model and of the sets that were found.
 
 use super::Candidate;
+use super::compare::runs_helped;
 use super::left::excess;
 use super::search::Found;
 use crate::Error;
@@ -132,6 +133,11 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
         0.0
     };
     let at_floor = |e: &Evaluation, ratio: f64| e.rms <= ratio * floor;
+    // What holds up on some of the held-out runs only is no law.
+    let helps_everywhere = || {
+        let (helped, all) = runs_helped(&base_holdout, &chosen_holdout);
+        helped == all
+    };
     let kind = if chosen.effects.is_empty() {
         let fits = base.fit.error() <= ADEQUATE * floor
             && (at_floor(&base_holdout, ADEQUATE)
@@ -141,8 +147,7 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     } else if at_floor(&chosen_holdout, EXPLAINED) {
         VerdictKind::MissingEffect
     } else if holds_up(share, base, chosen, floor)
-        && (share <= 1.0 - MOST_OF_IT
-            || (share <= 1.0 - WORTH_NAMING && helps_everywhere(&base_holdout, &chosen_holdout)))
+        && (share <= 1.0 - MOST_OF_IT || (share <= 1.0 - WORTH_NAMING && helps_everywhere()))
     {
         VerdictKind::PartlyExplained
     } else {
@@ -192,15 +197,6 @@ fn holds_up(share: f64, base: &Candidate, with: &Candidate, floor: f64) -> bool 
     with.fit.error() <= EXPLAINED * floor
         || share <= LITTLE_LEFT
         || share * left(base) <= HOLDS_UP * left(with)
-}
-
-/// Whether effects help on every held-out run: what holds up on some of them only is no law.
-fn helps_everywhere(base: &Evaluation, with: &Evaluation) -> bool {
-    let runs = base.blocks.iter().map(|b| b.run).max().map_or(0, |r| r + 1);
-    let squares = |e: &Evaluation, run: usize| -> f64 {
-        e.blocks.iter().filter(|b| b.run == run).flat_map(|b| &b.residual).map(|r| r * r).sum()
-    };
-    (0..runs).all(|run| squares(with, run) <= squares(base, run))
 }
 
 /// The mean squared error, in squared noise units, that the uncertainty of a fit's values makes one expect on held-out
