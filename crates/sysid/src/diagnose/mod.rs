@@ -40,7 +40,7 @@ pub use verdict::{Judged, Verdict, VerdictKind};
 use crate::data::Data;
 use crate::fit::FitOptions;
 use crate::{Campaign, Error, Role, fit};
-use sealegs_model::{Excitation, Model};
+use sealegs_model::{Excitation, Model, Parameter, Scale};
 
 /// How thorough a diagnosis is.
 #[derive(Debug, Clone, PartialEq)]
@@ -180,8 +180,8 @@ pub struct Diagnosis {
     pub simulated_s: f64,
 }
 
-/// Error as a ratio of the floor beyond which a base model with many parameters is suspected to have been bent by the
-/// fit as far as it goes, and effects are screened beside its nominal values, too.
+/// Error as a ratio of the floor beyond which a base model with many parameters, or with some of which nothing is known,
+/// is suspected to have been bent by the fit as far as it goes, and effects are screened beside its nominal values, too.
 const BENT: f64 = 3.0;
 
 /// Integration steps per sampling period in the search; what it finds is fitted again with the model itself.
@@ -210,14 +210,17 @@ pub fn diagnose(
     first.exact = data.predict(base, &first.fit.values).is_ok_and(|p| p == first.fit.evaluation.predictions);
     let nominal: Vec<f64> = base.parameters().iter().map(|p| p.value).collect();
     let at_nominal = || fit::at_values(&data, coarse.as_ref(), &nominal, fit::Difference::Forward).ok();
-    let bent = options.secants && first.fit.error() > BENT * data.floor;
-    let nominal = bent.then(at_nominal).flatten();
+    let unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none() && p.scale == Scale::Logarithmic;
+    let far = first.fit.error() > BENT * data.floor;
+    let bent = far && !options.secants && base.parameters().iter().any(unknown);
+    let nominal = (far && (options.secants || bent)).then(at_nominal).flatten();
     let search = search::Search {
         data: &data,
         base: coarse.as_ref(),
         exact: base,
         refined: false,
-        nominal: nominal.map(|fit| Candidate::of_base(&data, coarse.as_ref(), fit)),
+        nominal: nominal.map(|fit| Candidate::of_base(&data, coarse.as_ref(), fit)).into_iter().collect(),
+        bent,
         seen: &seen,
         admitted,
         options,

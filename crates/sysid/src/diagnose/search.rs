@@ -1,13 +1,13 @@
 //! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the best
 //! few at every size are fitted, members leave again, and rivals of each member are tried.
 
-use super::candidate::Effort;
+use super::candidate::{Effort, values_by_name};
 use super::compare::{clearly_better, worth};
 use super::left::{FAR_ABOVE, NEAR_FLOOR};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
 use super::{Candidate, OpenChoice, Options, Progress, Validation, profile};
 use crate::data::Data;
-use crate::fit::Difference;
+use crate::fit::{self, Difference};
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model};
 
@@ -40,9 +40,12 @@ pub(super) struct Search<'a> {
     pub exact: &'a dyn Model,
     /// Whether the search goes on with that.
     pub refined: bool,
-    /// The base model at its nominal values, where single effects are screened if it has many parameters: fitted without
-    /// the effect they bend so far that it is hidden, and one linear step from what the maker states is near enough.
-    pub nominal: Option<Candidate>,
+    /// The base model, and on a bench leading sets, at the base's nominal values, where effects are screened, too, if the
+    /// base is suspected to be bent: fitted without the effect its parameters take its place as far as they go (a damping
+    /// that of a slow sensor), and one linear step from what the maker states is near enough.
+    pub nominal: Vec<Candidate>,
+    /// Whether the base is suspected to be bent, and not only beside no effect.
+    pub bent: bool,
     pub seen: &'a Excitation,
     /// Effects to choose from, in the catalogue's order.
     pub admitted: Vec<String>,
@@ -71,12 +74,22 @@ struct Plan {
     known: Vec<(String, f64)>,
     /// Predicted cost.
     cost: f64,
-    /// The candidate that it grows from, or [`NOMINAL`].
-    from: usize,
+    /// What it grows from.
+    from: Parent,
 }
 
-/// Stands for the nominal base model among the candidates that sets grow from.
-const NOMINAL: usize = usize::MAX;
+/// What a set grows from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Parent {
+    /// A candidate as it was fitted, by its index in [`Search::tried`].
+    Tried(usize),
+    /// One at the base's nominal values, by its index in [`Search::nominal`].
+    Nominal(usize),
+}
+
+/// Sets that are fitted beside the shortlist from a bent base's nominal values: several effects can take there what the
+/// base has taken, and which of them does it only a fit tells.
+const FROM_NOMINAL: usize = 6;
 
 /// A set without one of its members.
 pub(super) fn all_but(effects: &[String], leaving: &str) -> Vec<String> {
@@ -97,11 +110,11 @@ impl Search<'_> {
             if self.at_floor(best) || (size > PAIR && self.data.work().0 > self.options.growing_simulations) {
                 break;
             }
-            let mut plans = if size == 1 { self.plans_from_nominal() } else { Vec::new() };
+            let mut plans = self.plans_from_nominal(&frontier, size);
             for &from in &frontier {
                 let found = self.screen_beside(from, size);
                 for promise in &found {
-                    plans.extend(self.plans(from, promise));
+                    plans.extend(self.plans(Parent::Tried(from), promise));
                 }
                 if size == 1 {
                     promises = found;
@@ -197,20 +210,41 @@ impl Search<'_> {
     }
 
     /// What sets grow from.
-    fn parent(&self, from: usize) -> &Candidate {
-        self.nominal.as_ref().filter(|_| from == NOMINAL).unwrap_or_else(|| &self.tried[from])
+    fn parent(&self, from: Parent) -> &Candidate {
+        match from {
+            Parent::Tried(i) => &self.tried[i],
+            Parent::Nominal(i) => &self.nominal[i],
+        }
     }
 
-    /// Single effects as they are screened beside the nominal base model, if there is one.
-    fn plans_from_nominal(&self) -> Vec<Plan> {
-        let Some(beside) = &self.nominal else { return Vec::new() };
-        let promises = self.screened(beside, self.options.starts);
-        promises.iter().flat_map(|promise| self.plans(NOMINAL, promise)).collect()
+    /// Effects as they are screened beside the nominal base model and, if it is bent, beside the leading set with it.
+    fn plans_from_nominal(&mut self, frontier: &[usize], size: usize) -> Vec<Plan> {
+        if size > 1 {
+            self.nominal.clear();
+            if self.bent {
+                let leader = frontier.first().and_then(|&i| self.at_nominal(&self.tried[i]));
+                self.nominal = leader.into_iter().collect();
+            }
+        }
+        let most = if size == 1 { self.options.starts } else { self.options.starts_later };
+        let plans = (0..self.nominal.len()).flat_map(|i| {
+            let promises = self.screened(&self.nominal[i], most);
+            promises.iter().flat_map(|promise| self.plans(Parent::Nominal(i), promise)).collect::<Vec<_>>()
+        });
+        plans.collect()
+    }
+
+    /// A candidate with the base parameters' nominal values, as it is.
+    fn at_nominal(&self, candidate: &Candidate) -> Option<Candidate> {
+        let known = self.with_nominal_base(candidate.known());
+        let values = values_by_name(candidate.model.as_ref(), &known);
+        let fit = fit::at_values(self.data, candidate.model.as_ref(), &values, Difference::Forward).ok()?;
+        Some(Candidate { fit, ..candidate.clone() })
     }
 
     /// A set with one more effect, from its most promising start and the most promising one that is
     /// elsewhere.
-    fn plans(&self, from: usize, promise: &Promise) -> Vec<Plan> {
+    fn plans(&self, from: Parent, promise: &Promise) -> Vec<Plan> {
         let beside = self.parent(from);
         // Near the floor little can be gained, and what promises less than it would have to bring is not worth a fit.
         let near_floor = beside.fit.error() <= NEAR_FLOOR * self.data.floor;
@@ -241,17 +275,20 @@ impl Search<'_> {
 
     /// The sets that are fitted: those of lowest predicted cost that were not fitted yet, from each candidate that they
     /// grow from in turn, the best of these first. What fits much and foresees nothing must not take all the places.
-    fn shortlist(&self, plans: &[Plan], most: usize) -> Vec<Vec<String>> {
-        let mut parents: Vec<usize> = Vec::new();
-        for plan in plans {
+    fn shortlist<'p>(&self, plans: impl Iterator<Item = &'p Plan> + Clone, most: usize) -> Vec<Vec<String>> {
+        let mut parents: Vec<Parent> = Vec::new();
+        for plan in plans.clone() {
             if !parents.contains(&plan.from) {
                 parents.push(plan.from);
             }
         }
-        let left = |from: usize| if from == NOMINAL { 0.0 } else { self.mean_square(from) };
+        let left = |from: Parent| match from {
+            Parent::Tried(i) => self.mean_square(i),
+            Parent::Nominal(_) => 0.0,
+        };
         parents.sort_by(|&a, &b| left(a).total_cmp(&left(b)));
         let mut queues: Vec<_> =
-            parents.iter().map(|&p| plans.iter().filter(move |plan| plan.from == p)).collect();
+            parents.iter().map(|&p| plans.clone().filter(move |plan| plan.from == p)).collect();
         let mut sets: Vec<Vec<String>> = Vec::new();
         let mut left = true;
         while left && sets.len() < most {
@@ -272,12 +309,22 @@ impl Search<'_> {
     /// Fits the `most` sets of lowest predicted cost that were not fitted yet; returns their indices.
     fn fit_best(&mut self, mut plans: Vec<Plan>, most: usize) -> Vec<usize> {
         plans.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        let sets = self.shortlist(&plans, most);
+        let mut sets = self.shortlist(plans.iter(), most);
+        if self.bent {
+            let from_nominal = plans.iter().filter(|p| matches!(p.from, Parent::Nominal(_)));
+            let new = self.shortlist(from_nominal, FROM_NOMINAL);
+            sets.extend(new.into_iter().filter(|set| !sets.contains(set)).collect::<Vec<_>>());
+        }
         (self.progress)(Progress::Fitting { sets: sets.clone() });
         let (data, base, seen, options) = (self.data, self.base, self.seen, self.options);
-        let race = |near: &Candidate| Effort {
-            difference: if options.secants { Difference::Secant } else { Difference::Forward },
-            ..options.effort(near, options.race_steps)
+        let race = |from: Parent| {
+            // The way from nominal values is longer than from a fit, and what rests nearer would win a race over few steps.
+            let far = !options.secants && matches!(from, Parent::Nominal(_));
+            let steps = if far { FINAL_STEPS } else { options.race_steps };
+            Effort {
+                difference: if options.secants { Difference::Secant } else { Difference::Forward },
+                ..options.effort(self.parent(from), steps)
+            }
         };
         let raced: Vec<Option<Candidate>> = sets
             .par_iter()
@@ -287,14 +334,15 @@ impl Search<'_> {
                 let lost =
                     of_set().next().filter(|p| !options.secants && self.is_driven(self.parent(p.from)));
                 let lost = lost.map(|p| (p.from, self.with_nominal_base(p.known.clone())));
-                let (nominal, fitted): (Vec<&Plan>, Vec<&Plan>) = of_set().partition(|p| p.from == NOMINAL);
+                let (nominal, fitted): (Vec<&Plan>, Vec<&Plan>) =
+                    of_set().partition(|p| matches!(p.from, Parent::Nominal(_)));
                 let starts =
                     fitted.into_iter().take(options.starts_fitted).chain(nominal.into_iter().take(1));
                 starts
                     .map(|p| (p.from, p.known.clone()))
                     .chain(lost)
                     .filter_map(|(from, known)| {
-                        Candidate::fitted(data, base, set, seen, &known, &race(self.parent(from))).ok()
+                        Candidate::fitted(data, base, set, seen, &known, &race(from)).ok()
                     })
                     .reduce(|best, other| if other.fit.cost < best.fit.cost { other } else { best })
             })
@@ -433,7 +481,7 @@ impl Search<'_> {
                 let worth = self.tried[without].fit.cost - self.tried[best].fit.cost;
                 for promise in self.screen_beside(without, 2) {
                     if promise.effect != *leaving && promise.drop > 0.3 * worth {
-                        plans.extend(self.plans(without, &promise));
+                        plans.extend(self.plans(Parent::Tried(without), &promise));
                     }
                 }
             }

@@ -32,6 +32,9 @@ const LITTLE_LEFT: f64 = 0.1;
 /// one expect there, up to which it says nothing against the model: few directions make most of it.
 const WITHIN: f64 = 3.0;
 
+/// Share of what is missing on the fit runs that a set may leave to be spoken of though it is not named.
+const FAR_LESS: f64 = 0.5;
+
 /// Said where the fit runs are at the floor and the holdout runs are not.
 const ONLY_HELD_OUT: &str = "The fit runs are at the noise floor: what is missing shows in held-out runs only. Give one of \
                              those where it shows the role 'fit', and diagnose again.";
@@ -174,6 +177,9 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     if left && found.tried[after.index].fit.error() <= ADEQUATE * floor {
         remainder.insert(0, ONLY_HELD_OUT.to_owned());
     }
+    if left {
+        remainder.extend(unconfirmed(&ranking, found, after.index, &after_holdout, floor));
+    }
     let sets = |indices: &[usize]| indices.iter().map(|&i| found.tried[i].effects.clone()).collect();
     Ok(Verdict {
         kind,
@@ -188,6 +194,31 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
         after_holdout,
         unexplained_share: if named { share } else { 1.0 },
         ranking: ranking.into_iter().flatten().collect(),
+    })
+}
+
+/// What is said of the set that foresees the fit runs best, where it leaves far less of them than what is named and
+/// the held-out runs, which do not confirm it as a whole, keep it from being named.
+fn unconfirmed(
+    ranking: &[Option<Judged>],
+    found: &Found,
+    named: usize,
+    held_out: &Evaluation,
+    floor: f64,
+) -> Option<String> {
+    let best = ranking.iter().flatten().next().filter(|best| best.index != named)?;
+    let (with, without) = (&found.tried[best.index], &found.tried[named]);
+    let far_less = excess(with.fit.error(), floor) <= FAR_LESS * excess(without.fit.error(), floor);
+    far_less.then(|| {
+        format!(
+            "On the fit runs {} would leave {:.1} noise units instead of {:.1}; the held-out runs do not bear it out \
+             ({:.1} instead of {:.1}).",
+            with.effects.join(" + "),
+            with.fit.error(),
+            without.fit.error(),
+            best.holdout_error,
+            held_out.rms
+        )
     })
 }
 
