@@ -79,9 +79,8 @@ fn totals(out: &mut String, outcomes: &[Outcome]) {
     let diagnosed: Vec<f64> = outcomes.iter().filter_map(|o| o.seconds).collect();
     let _ = writeln!(
         out,
-        "\nOf {} campaigns the fitted values are kept: where exactly the hidden effects were named, every parameter of \
-         theirs is within 10 % in {close} of {}. A diagnosis took {:.0} s on average.\n",
-        diagnosed.len(),
+        "\nWhere exactly the hidden effects were named and the fitted values are kept, every parameter of theirs is \
+         within 10 % in {close} of {}. A diagnosis took {:.0} s on average.\n",
         told.len(),
         diagnosed.iter().sum::<f64>() / diagnosed.len().max(1) as f64
     );

@@ -3,7 +3,7 @@
 use super::rugged;
 use super::validation::{Validation, validate};
 use crate::Error;
-use crate::data::Data;
+use crate::data::{Data, Evaluation};
 use crate::fit::{Difference, Fit, FitOptions, KnownColumns, fit};
 use sealegs_model::{Excitation, Model};
 use std::sync::Arc;
@@ -94,6 +94,15 @@ impl Candidate {
         let fit = fit(data, model.as_ref(), &options)?;
         let validation = validate(data, model.as_ref(), effects, &fit);
         Ok(Self { effects: effects.to_vec(), model, fit, validation, exact: false })
+    }
+
+    /// What it leaves of runs that it was not fitted to, each sensor as it was fitted.
+    ///
+    /// # Errors
+    ///
+    /// If a run cannot be simulated.
+    pub(super) fn held_out(&self, holdout: &Data) -> Result<Evaluation, Error> {
+        holdout.judge(self.model.as_ref(), &self.fit.values, self.fit.sensors())
     }
 
     /// Fitted values by the parameters' names.

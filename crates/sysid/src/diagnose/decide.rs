@@ -55,10 +55,7 @@ impl Search<'_> {
 
     /// Error of a set on the holdout runs, in noise units.
     fn held_out(&self, holdout: &Data, index: usize) -> f64 {
-        let c = &self.tried[index];
-        holdout
-            .judge(c.model.as_ref(), &c.fit.values, c.fit.sensors())
-            .map_or(f64::INFINITY, |evaluation| evaluation.rms)
+        self.tried[index].held_out(holdout).map_or(f64::INFINITY, |evaluation| evaluation.rms)
     }
 
     /// The set, or a part of it where what the rest gains is little and nothing on the holdout runs: a ring that no fit
@@ -89,14 +86,10 @@ impl Search<'_> {
         if self.tried[best].fit.error() <= FAR_ABOVE * self.data.floor {
             return best;
         }
-        let judge = |i: usize| {
-            let c = &self.tried[i];
-            holdout.judge(c.model.as_ref(), &c.fit.values, c.fit.sensors()).ok()
-        };
-        let Some(before) = judge(best) else { return best };
+        let Ok(before) = self.tried[best].held_out(holdout) else { return best };
         let missing = excess(before.rms, holdout.floor);
         let helps = |i: &usize| {
-            judge(*i).is_some_and(|after| {
+            self.tried[*i].held_out(holdout).is_ok_and(|after| {
                 let (helped, all) = runs_helped(&before, &after);
                 excess(after.rms, holdout.floor) <= (1.0 - EARNS) * missing
                     && helped as f64 >= MOST_RUNS * all as f64

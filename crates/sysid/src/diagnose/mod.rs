@@ -219,7 +219,7 @@ pub fn diagnose(
         base: coarse.as_ref(),
         exact: base,
         refined: false,
-        nominal: nominal.map(|fit| Candidate::of_base(&data, coarse.as_ref(), fit)).into_iter().collect(),
+        nominal: nominal.map(|fit| Candidate::of_base(&data, coarse.as_ref(), fit)),
         bent,
         seen: &seen,
         admitted,

@@ -40,10 +40,10 @@ pub(super) struct Search<'a> {
     pub exact: &'a dyn Model,
     /// Whether the search goes on with that.
     pub refined: bool,
-    /// The base model, and on a bench leading sets, at the base's nominal values, where effects are screened, too, if the
+    /// The base model, and on a bench the leading set, at the base's nominal values, where effects are screened, too, if the
     /// base is suspected to be bent: fitted without the effect its parameters take its place as far as they go (a damping
     /// that of a slow sensor), and one linear step from what the maker states is near enough.
-    pub nominal: Vec<Candidate>,
+    pub nominal: Option<Candidate>,
     /// Whether the base is suspected to be bent, and not only beside no effect.
     pub bent: bool,
     pub seen: &'a Excitation,
@@ -83,8 +83,8 @@ struct Plan {
 enum Parent {
     /// A candidate as it was fitted, by its index in [`Search::tried`].
     Tried(usize),
-    /// One at the base's nominal values, by its index in [`Search::nominal`].
-    Nominal(usize),
+    /// [`Search::nominal`].
+    Nominal,
 }
 
 /// Sets that are fitted beside the shortlist from a bent base's nominal values: several effects can take there what the
@@ -187,8 +187,7 @@ impl Search<'_> {
         }
         let beside = &self.tried[from];
         (self.progress)(Progress::Screening { beside: beside.effects.clone() });
-        let most = if size == 1 { self.options.starts } else { self.options.starts_later };
-        let mut promises = self.screened(beside, most);
+        let mut promises = self.screened(beside, self.most_starts(size));
         if self.screened.iter().all(|(i, _)| self.tried[*i].effects.len() < self.tried[from].effects.len())
             && !self.at_floor(from)
         {
@@ -211,27 +210,26 @@ impl Search<'_> {
 
     /// What sets grow from.
     fn parent(&self, from: Parent) -> &Candidate {
-        match from {
-            Parent::Tried(i) => &self.tried[i],
-            Parent::Nominal(i) => &self.nominal[i],
+        match (from, &self.nominal) {
+            (Parent::Tried(i), _) => &self.tried[i],
+            (Parent::Nominal, nominal) => nominal.as_ref().unwrap_or(&self.tried[0]),
         }
     }
 
     /// Effects as they are screened beside the nominal base model and, if it is bent, beside the leading set with it.
     fn plans_from_nominal(&mut self, frontier: &[usize], size: usize) -> Vec<Plan> {
         if size > 1 {
-            self.nominal.clear();
-            if self.bent {
-                let leader = frontier.first().and_then(|&i| self.at_nominal(&self.tried[i]));
-                self.nominal = leader.into_iter().collect();
-            }
+            let leader = frontier.first().filter(|_| self.bent);
+            self.nominal = leader.and_then(|&i| self.at_nominal(&self.tried[i]));
         }
-        let most = if size == 1 { self.options.starts } else { self.options.starts_later };
-        let plans = (0..self.nominal.len()).flat_map(|i| {
-            let promises = self.screened(&self.nominal[i], most);
-            promises.iter().flat_map(|promise| self.plans(Parent::Nominal(i), promise)).collect::<Vec<_>>()
-        });
-        plans.collect()
+        let Some(beside) = &self.nominal else { return Vec::new() };
+        let promises = self.screened(beside, self.most_starts(size));
+        promises.iter().flat_map(|promise| self.plans(Parent::Nominal, promise)).collect()
+    }
+
+    /// Starting values of each effect that are simulated where sets of this size are looked for.
+    fn most_starts(&self, size: usize) -> usize {
+        if size == 1 { self.options.starts } else { self.options.starts_later }
     }
 
     /// A candidate with the base parameters' nominal values, as it is.
@@ -284,7 +282,7 @@ impl Search<'_> {
         }
         let left = |from: Parent| match from {
             Parent::Tried(i) => self.mean_square(i),
-            Parent::Nominal(_) => 0.0,
+            Parent::Nominal => 0.0,
         };
         parents.sort_by(|&a, &b| left(a).total_cmp(&left(b)));
         let mut queues: Vec<_> =
@@ -311,7 +309,7 @@ impl Search<'_> {
         plans.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let mut sets = self.shortlist(plans.iter(), most);
         if self.bent {
-            let from_nominal = plans.iter().filter(|p| matches!(p.from, Parent::Nominal(_)));
+            let from_nominal = plans.iter().filter(|p| p.from == Parent::Nominal);
             let new = self.shortlist(from_nominal, FROM_NOMINAL);
             sets.extend(new.into_iter().filter(|set| !sets.contains(set)).collect::<Vec<_>>());
         }
@@ -319,7 +317,7 @@ impl Search<'_> {
         let (data, base, seen, options) = (self.data, self.base, self.seen, self.options);
         let race = |from: Parent| {
             // The way from nominal values is longer than from a fit, and what rests nearer would win a race over few steps.
-            let far = !options.secants && matches!(from, Parent::Nominal(_));
+            let far = !options.secants && from == Parent::Nominal;
             let steps = if far { FINAL_STEPS } else { options.race_steps };
             Effort {
                 difference: if options.secants { Difference::Secant } else { Difference::Forward },
@@ -335,7 +333,7 @@ impl Search<'_> {
                     of_set().next().filter(|p| !options.secants && self.is_driven(self.parent(p.from)));
                 let lost = lost.map(|p| (p.from, self.with_nominal_base(p.known.clone())));
                 let (nominal, fitted): (Vec<&Plan>, Vec<&Plan>) =
-                    of_set().partition(|p| matches!(p.from, Parent::Nominal(_)));
+                    of_set().partition(|p| p.from == Parent::Nominal);
                 let starts =
                     fitted.into_iter().take(options.starts_fitted).chain(nominal.into_iter().take(1));
                 starts

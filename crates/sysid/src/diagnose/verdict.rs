@@ -113,7 +113,6 @@ const RANKED: usize = 16;
 pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     let floor = holdout.floor;
     let base = &found.tried[0];
-    let evaluate = |c: &Candidate| holdout.judge(c.model.as_ref(), &c.fit.values, c.fit.sensors());
     let judged = |index: usize, evaluation: &Evaluation| {
         let c = &found.tried[index];
         let left = c.validation.mean_square().max(1.0);
@@ -125,9 +124,9 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
             evidence: 0.5 * fall * c.validation.residuals as f64 / left,
         }
     };
-    let base_holdout = evaluate(base)?;
+    let base_holdout = base.held_out(holdout)?;
     let chosen = &found.tried[found.chosen];
-    let chosen_holdout = evaluate(chosen)?;
+    let chosen_holdout = chosen.held_out(holdout)?;
 
     let excess = |e: &Evaluation| excess(e.rms, floor);
     let share = if excess(&base_holdout) > 0.0 {
@@ -165,7 +164,7 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     });
     order.truncate(RANKED);
     let ranking: Vec<Option<Judged>> =
-        order.par_iter().map(|&i| evaluate(&found.tried[i]).ok().map(|e| judged(i, &e))).collect();
+        order.par_iter().map(|&i| found.tried[i].held_out(holdout).ok().map(|e| judged(i, &e))).collect();
     let base_judged = judged(0, &base_holdout);
     let (after, after_holdout) = if named {
         (judged(found.chosen, &chosen_holdout), chosen_holdout)
