@@ -31,6 +31,10 @@ pub struct Parameter {
     pub prior_std: Option<f64>,
     /// Never changed by a fit. A fixed parameter with `starts` is a discrete choice: each of them is tried.
     pub fixed: bool,
+    /// A fixed parameter that is known only as well as `prior_std` says. Free it would lead a search astray, so it is
+    /// held; the last fit of a chosen model changes it, too, and standard errors count what is not known of it.
+    #[serde(default)]
+    pub freed_at_last: bool,
     /// For an effect's parameter, the value at which the effect vanishes; may lie on a bound.
     pub neutral: Option<f64>,
     /// Other values worth starting from where the law is not smooth, in the order to try them.
@@ -55,6 +59,7 @@ impl Parameter {
             max,
             prior_std: None,
             fixed: false,
+            freed_at_last: false,
             neutral: None,
             starts: Vec::new(),
             typical,

@@ -19,12 +19,15 @@ impl Effect for SeriesComplianceEffect {
             ),
             f64::INFINITY,
         );
-        // The mass is the file's. Free beside the stiffness it leads astray: where the end rings undamped the error has a comb
-        // of valleys along both.
+        // The mass is the file's, an estimate. Free beside the stiffness it leads a search astray: where the end rings
+        // undamped the error has a comb of valleys along both. Held for good it would make the stiffness look well known
+        // where the data tell only its ratio to the mass.
         let stated = setting.unsprung_mass;
         let mass = if stated > 0.0 { stated } else { UNSPRUNG_SHARE * setting.total_mass };
         let mass = Parameter {
             fixed: true,
+            freed_at_last: true,
+            prior_std: Some(MASS_TOLERANCE * mass),
             ..setting.magnitude("unsprung", Quantity::Inertia, mass, 0.1 * mass, 10.0 * mass)
         };
         EffectCard {
@@ -50,6 +53,9 @@ impl Effect for SeriesComplianceEffect {
 /// The unsprung mass as a share of the moving mass where the file has none: nut and tube of the THOR actuator, 0.15 kg of
 /// 294.9 kg (the dissertation's own estimate, section 4-5-1).
 const UNSPRUNG_SHARE: f64 = 0.15 / 294.9;
+
+/// One standard deviation of the unsprung mass, as a ratio: an estimate from the difference of two catalogue masses.
+const MASS_TOLERANCE: f64 = 0.5;
 
 #[cfg(test)]
 mod tests {

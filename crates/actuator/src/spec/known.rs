@@ -37,6 +37,7 @@ fn narrow(mut p: Parameter, said: &ParameterSpec) -> Parameter {
     p.value = p.value.clamp(p.min, p.max);
     p.starts.retain(|s| (p.min..=p.max).contains(s));
     p.scale = said.scale.unwrap_or(p.scale);
+    p.freed_at_last &= said.fixed.is_none();
     p.fixed = said.fixed.unwrap_or(p.fixed);
     p
 }

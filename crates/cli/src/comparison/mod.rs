@@ -105,7 +105,7 @@ pub fn compare<'a>(
         let after = match (role, &fitted) {
             _ if as_is => None,
             (Role::Fit, _) => {
-                let found = fit_holding(&data, model, &FitOptions::of(model))?;
+                let found = fit_holding(&data, model, &FitOptions { last: true, ..FitOptions::of(model) })?;
                 let evaluation = found.evaluation.clone();
                 fitted = Some(found);
                 Some(evaluation)

@@ -5,7 +5,7 @@ use super::provenance::Provenance;
 use crate::failure::{OrBadInput, bad_input};
 use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter};
 use sealegs_sysid::diagnose::{
-    Candidate, Options, Promise, Starts, fit_holding, screen, tuned, with_effects,
+    Candidate, Options, Promise, Starts, fit_holding, reconciled, screen, tuned, with_effects,
 };
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, fit};
 use serde::Serialize;
@@ -130,6 +130,7 @@ pub fn add(
     }
     let after = after.ok_or_else(|| bad_input("no effect was named"))?;
     tell("fitting everything together".to_owned());
+    let after = if fit::has_many_parameters(model) { after } else { reconciled(&data, model, &seen, after) };
     let after = finished(&data, model, effects, &seen, after)?;
     let mut work = data.work();
     let (mut before_holdout, mut after_holdout) = (None, None);
@@ -217,7 +218,8 @@ fn finished(
     let known = candidate.known();
     let mut best: Option<Fit> = None;
     let mut attempt = |start: Vec<f64>| -> anyhow::Result<bool> {
-        let fitted = fit_holding(data, model.as_ref(), &candidate.onward(base, start))?;
+        let options = FitOptions { last: true, ..candidate.onward(base, start) };
+        let fitted = fit_holding(data, model.as_ref(), &options)?;
         if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
             best = Some(fitted);
         }

@@ -39,13 +39,15 @@ pub struct Effort {
     /// Derivatives that are known nearby, where the fit is to make do with them as far as they go (see
     /// [`FitOptions::secants`]).
     pub columns: Option<Arc<KnownColumns>>,
+    /// Whether what is held in a search only is free (see [`FitOptions::last`]).
+    pub last: bool,
 }
 
 impl Effort {
     /// As many steps, every derivative by simulation.
     #[must_use]
     pub fn steps(steps: usize) -> Self {
-        Self { steps, difference: Difference::Forward, columns: None }
+        Self { steps, difference: Difference::Forward, columns: None, last: false }
     }
 }
 
@@ -89,6 +91,7 @@ impl Candidate {
             secants: effort.columns.is_some(),
             columns: effort.columns.clone(),
             held: rugged::held(model.as_ref()),
+            last: effort.last,
             ..FitOptions::default()
         };
         let fit = fit(data, model.as_ref(), &options)?;

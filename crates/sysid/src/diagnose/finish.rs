@@ -1,18 +1,17 @@
 //! What leads a race is fitted to the end: further steps, other starts where it came to rest on its way, and at last
 //! the model itself in the place of the search's coarser one.
 
-use super::candidate::symbol;
+use super::candidate::{Effort, symbol};
+use super::known_base::{is_driven, with_nominal_base};
 use super::left::FAR_ABOVE;
 use super::screen::{LISTED, PHASE, is_amplitude};
 use super::search::Search;
 use super::{Candidate, rugged, with_effects};
-use crate::fit::{self, Difference, FitOptions, FittedParameter};
+use crate::data::Data;
+use crate::fit::{self, FitOptions};
 use rayon::prelude::*;
 use sealegs_model::{Model, Scale};
 use std::f64::consts::{PI, TAU};
-
-/// Prior standard deviations from its nominal value beyond which a base parameter is suspected to have been driven there.
-const FAR: f64 = 2.5;
 
 /// Ratios by which a parameter of an effect is moved to look for a better valley.
 const SHAKES: [f64; 18] =
@@ -71,32 +70,13 @@ impl Search<'_> {
     /// The candidate, or its fit from the base parameters' nominal values if that is better: without an effect a wrong
     /// model may have driven them so far that a search from there comes to rest half way back.
     pub(super) fn returned(&self, candidate: Candidate) -> Candidate {
-        if !self.is_driven(&candidate) || self.is_settled(&candidate) {
+        if !is_driven(self.base, &candidate) || self.is_settled(&candidate) {
             return candidate;
         }
-        let known = self.with_nominal_base(candidate.known());
+        let known = with_nominal_base(self.base, candidate.known());
         self.fitted_near(&candidate, &candidate.effects, &known)
             .filter(|f| f.fit.cost < candidate.fit.cost)
             .unwrap_or(candidate)
-    }
-
-    /// Whether a fit has driven a base parameter to a bound, or far from its nominal value.
-    pub(super) fn is_driven(&self, candidate: &Candidate) -> bool {
-        let driven = |p: &FittedParameter| {
-            let far = p.prior_std.is_some_and(|std| (p.value - p.nominal).abs() > FAR * std);
-            !p.fixed && (p.at_bound.is_some() || far)
-        };
-        candidate.fit.parameters[..self.base.parameters().len()].iter().any(driven)
-    }
-
-    /// The same values with the nominal ones of the base parameters.
-    pub(super) fn with_nominal_base(&self, mut known: Vec<(String, f64)>) -> Vec<(String, f64)> {
-        for p in self.base.parameters().iter().filter(|p| !p.fixed) {
-            for entry in known.iter_mut().filter(|(name, _)| *name == p.name) {
-                entry.1 = p.value;
-            }
-        }
-        known
     }
 
     /// The candidate, or its fit from a better valley nearby: where contact is made and broken, a rotor sticks or a part
@@ -161,7 +141,9 @@ impl Search<'_> {
             .collect();
         let followed: Vec<(Vec<f64>, f64)> = turned
             .into_par_iter()
-            .filter_map(|start| self.following(model, start, i, self.options.race_steps))
+            .filter_map(|start| {
+                following(self.data, model, start, i, &Effort::steps(self.options.race_steps))
+            })
             .collect();
         let best = followed.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
         best.and_then(|(values, _)| {
@@ -219,31 +201,12 @@ impl Search<'_> {
     /// A lower place near the candidate, where each strength was moved a little and all others followed it.
     fn followed(&self, candidate: &Candidate, strength: impl Fn(&usize) -> bool) -> Option<Vec<f64>> {
         let model = candidate.model.as_ref();
-        let places: Vec<(Vec<f64>, f64)> = moved(candidate, strength, &NUDGES)
+        let places: Vec<(Vec<f64>, f64)> = moved(candidate, &candidate.fit.values, strength, &NUDGES)
             .into_par_iter()
-            .filter_map(|(i, start)| self.following(model, start, i, FOLLOWING_STEPS))
+            .filter_map(|(i, start)| following(self.data, model, start, i, &Effort::steps(FOLLOWING_STEPS)))
             .collect();
         let lowest = places.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
         lowest.filter(|(_, cost)| *cost < candidate.fit.cost).map(|(values, _)| values)
-    }
-
-    /// Values with one parameter held where it starts, while the others follow for a few steps, with the cost.
-    pub(super) fn following(
-        &self,
-        model: &dyn Model,
-        start: Vec<f64>,
-        held: usize,
-        steps: usize,
-    ) -> Option<(Vec<f64>, f64)> {
-        let options = FitOptions {
-            start: Some(start),
-            starts: 1,
-            max_steps: steps,
-            difference: Difference::Forward,
-            held: vec![model.parameters()[held].name.clone()],
-            ..FitOptions::default()
-        };
-        fit::fit(self.data, model, &options).ok().map(|f| (f.values, f.cost))
     }
 
     /// Values with each parameter of the effects moved by some ratios, and their costs; on a bench the others follow
@@ -253,14 +216,15 @@ impl Search<'_> {
         // Where fits are cheap, those are shaken whose order of magnitude was unknown: a frequency, a stiffness.
         let rugged = |i: usize| self.options.secants || model.parameters()[i].scale == Scale::Logarithmic;
         let own = |i: &usize| *i >= self.base.parameters().len() && rugged(*i);
-        let mut moved = moved(candidate, own, &SHAKES);
+        let mut moved = moved(candidate, &fit.values, own, &SHAKES);
         moved.retain(|(i, values)| values[*i] != fit.values[*i]);
         let looked_at = |(i, moved): (usize, Vec<f64>)| {
             if self.options.secants {
                 let cost = self.data.evaluate(model, &moved).map_or(f64::INFINITY, |e| e.cost);
                 return (moved, cost);
             }
-            self.following(model, moved.clone(), i, FOLLOWING_STEPS).unwrap_or((moved, f64::INFINITY))
+            following(self.data, model, moved.clone(), i, &Effort::steps(FOLLOWING_STEPS))
+                .unwrap_or((moved, f64::INFINITY))
         };
         moved.into_par_iter().map(looked_at).collect()
     }
@@ -269,6 +233,7 @@ impl Search<'_> {
     pub(super) fn polished(&self, candidate: &Candidate) -> Candidate {
         let options = FitOptions {
             max_steps: if self.options.secants { DEAR_STEPS } else { FitOptions::default().max_steps },
+            last: true,
             ..candidate.onward(self.exact, candidate.fit.values.clone())
         };
         with_effects(self.exact, &candidate.effects, self.seen)
@@ -282,17 +247,38 @@ impl Search<'_> {
     }
 }
 
-/// Values of a candidate with each of some of its free parameters moved by each ratio, as far as its bounds admit.
+/// Values with one parameter held where it starts, while the others follow for a few steps, with the cost.
+pub(super) fn following(
+    data: &Data,
+    model: &dyn Model,
+    start: Vec<f64>,
+    held: usize,
+    effort: &Effort,
+) -> Option<(Vec<f64>, f64)> {
+    let options = FitOptions {
+        start: Some(start),
+        starts: 1,
+        max_steps: effort.steps,
+        difference: effort.difference,
+        last: effort.last,
+        held: vec![model.parameters()[held].name.clone()],
+        ..FitOptions::default()
+    };
+    fit::fit(data, model, &options).ok().map(|f| (f.values, f.cost))
+}
+
+/// Values with each of some of a candidate's free parameters moved by each ratio, as far as its bounds admit.
 pub(super) fn moved(
     candidate: &Candidate,
+    values: &[f64],
     which: impl Fn(&usize) -> bool,
     ratios: &[f64],
 ) -> Vec<(usize, Vec<f64>)> {
     let parameters = candidate.model.parameters();
     let by = |i: usize, ratio: f64| {
-        let mut values = candidate.fit.values.clone();
-        values[i] = (values[i] * ratio).clamp(parameters[i].min, parameters[i].max);
-        (i, values)
+        let mut moved = values.to_vec();
+        moved[i] = (values[i] * ratio).clamp(parameters[i].min, parameters[i].max);
+        (i, moved)
     };
     let own = candidate.fit.free.iter().copied().filter(which);
     own.flat_map(|i| ratios.iter().map(move |ratio| (i, *ratio))).map(|(i, ratio)| by(i, ratio)).collect()

@@ -1,8 +1,8 @@
 //! How far a fitted parameter can go before the error rises, with the others following: where the error has many valleys,
 //! derivatives see the walls of one and promise more than the data.
 
-use super::Candidate;
-use super::finish::moved;
+use super::candidate::{Candidate, Effort};
+use super::finish::{following, moved};
 use super::search::{EQUAL_COST, Search};
 use rayon::prelude::*;
 use sealegs_model::Scale;
@@ -57,9 +57,11 @@ impl Search<'_> {
         let parameters = model.parameters();
         let of_unknown_order =
             |i: &usize| *i >= self.base.parameters().len() && parameters[*i].scale == Scale::Logarithmic;
-        let mut moved = moved(candidate, of_unknown_order, &RATIOS);
+        let mut moved = moved(candidate, &fit.values, of_unknown_order, &RATIOS);
         moved.retain(|(i, values)| values[*i] != fit.values[*i]);
-        moved.into_par_iter().filter_map(|(i, start)| self.following(model, start, i, STEPS)).collect()
+        let effort = Effort { last: true, ..Effort::steps(STEPS) };
+        let follow = |(i, start)| following(self.data, model, start, i, &effort);
+        moved.into_par_iter().filter_map(follow).collect()
     }
 }
 

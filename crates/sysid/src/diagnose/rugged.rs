@@ -64,22 +64,26 @@ pub(super) fn held(model: &dyn Model) -> Vec<String> {
 }
 
 /// Fits a model, its rugged parameters held; the standard error of such a one is how far it can be moved until the error
-/// rises as for one standard deviation, for derivatives see no further than the next jump.
+/// rises as for one standard deviation, for derivatives see no further than the next jump. A last fit goes on from there
+/// with what is free at last only.
 ///
 /// # Errors
 ///
 /// As [`fit::fit`].
 pub fn fit_holding(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit, Error> {
     let held = held(model);
-    if held.is_empty() {
-        return fit::fit(data, model, options);
+    let searching = FitOptions { held: held.clone(), last: false, ..options.clone() };
+    let mut fitted = fit::fit(data, model, &searching)?;
+    if options.last && model.parameters().iter().any(|p| p.freed_at_last) {
+        let start = Some(fitted.values.clone());
+        fitted = fit::fit(data, model, &FitOptions { start, starts: 1, last: true, ..searching })?;
     }
-    let fitted = fit::fit(data, model, &FitOptions { held, ..options.clone() })?;
-    let mut fit = Fit {
-        steps: fitted.steps,
-        converged: fitted.converged,
-        ..fit::at_values(data, model, &fitted.values, options.difference)?
-    };
+    if held.is_empty() {
+        return Ok(fitted);
+    }
+    let there = FitOptions { start: Some(fitted.values), starts: 1, max_steps: 0, ..options.clone() };
+    let (steps, converged) = (fitted.steps, fitted.converged);
+    let mut fit = Fit { steps, converged, ..fit::fit(data, model, &there)? };
     for (i, p) in model.parameters().iter().enumerate().filter(|(_, p)| is_rugged(p) && !p.fixed) {
         fit.parameters[i].std = room(data, model, &fit, i, p);
     }

@@ -3,6 +3,7 @@
 
 use super::candidate::{Effort, values_by_name};
 use super::compare::{clearly_better, worth};
+use super::known_base::{is_driven, reconciled, with_nominal_base};
 use super::left::{FAR_ABOVE, NEAR_FLOOR};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
 use super::{Candidate, OpenChoice, Options, Progress, Validation, profile};
@@ -60,7 +61,7 @@ pub(super) struct Search<'a> {
 const PAIR: usize = 2;
 
 /// Most steps of a fit that goes on.
-const FINAL_STEPS: usize = 20;
+pub(super) const FINAL_STEPS: usize = 20;
 
 /// Costs that differ by less are equal: a likelihood ratio of e^10 is decisive.
 pub(super) const EQUAL_COST: f64 = 10.0;
@@ -176,6 +177,7 @@ impl Search<'_> {
                 self.tried[i] = self.polished(&self.tried[i]);
             }
         }
+        self.tried[chosen] = self.reconciled(self.tried[chosen].clone());
         profile::widen(&mut self.tried[chosen], &room);
         let open = self.open_choices(&settled, &others, &self.tried[chosen]);
         Found { tried: self.tried, chosen, tied, same, open, promises, base_as_searched }
@@ -234,7 +236,7 @@ impl Search<'_> {
 
     /// A candidate with the base parameters' nominal values, as it is.
     fn at_nominal(&self, candidate: &Candidate) -> Option<Candidate> {
-        let known = self.with_nominal_base(candidate.known());
+        let known = with_nominal_base(self.base, candidate.known());
         let values = values_by_name(candidate.model.as_ref(), &known);
         let fit = fit::at_values(self.data, candidate.model.as_ref(), &values, Difference::Forward).ok()?;
         Some(Candidate { fit, ..candidate.clone() })
@@ -330,8 +332,8 @@ impl Search<'_> {
                 let of_set = || plans.iter().filter(|p| p.effects == *set);
                 // Where a wrong model has driven the base parameters far, a search with the right effect may not find back.
                 let lost =
-                    of_set().next().filter(|p| !options.secants && self.is_driven(self.parent(p.from)));
-                let lost = lost.map(|p| (p.from, self.with_nominal_base(p.known.clone())));
+                    of_set().next().filter(|p| !options.secants && is_driven(base, self.parent(p.from)));
+                let lost = lost.map(|p| (p.from, with_nominal_base(base, p.known.clone())));
                 let (nominal, fitted): (Vec<&Plan>, Vec<&Plan>) =
                     of_set().partition(|p| p.from == Parent::Nominal);
                 let starts =
@@ -422,6 +424,17 @@ impl Search<'_> {
     ) -> Option<Candidate> {
         let effort = self.options.effort(near, FINAL_STEPS);
         Candidate::fitted(self.data, self.base, effects, self.seen, known, &effort).ok()
+    }
+
+    /// A polished candidate that what is known of the base parameters does not speak against, where it can be found and
+    /// fits are cheap.
+    fn reconciled(&self, candidate: Candidate) -> Candidate {
+        if self.options.secants {
+            return candidate;
+        }
+        let cost = candidate.fit.cost;
+        let found = reconciled(self.data, self.exact, self.seen, candidate);
+        if found.fit.cost < cost { self.polished(&found) } else { found }
     }
 
     /// Takes a candidate in, in the place of a worse fit of the same set; returns its index.

@@ -55,6 +55,8 @@ pub struct FitOptions {
     pub only: Option<String>,
     /// The parameters of these names are not free, and keep the start's values.
     pub held: Vec<String>,
+    /// Whether parameters that are held in a search only ([`sealegs_model::Parameter::freed_at_last`]) are free.
+    pub last: bool,
     /// Whether a step that keeps its promise brings the derivatives up to date by itself, in place of a simulation
     /// for every parameter; they are then simulated only where a step fails, and at the end.
     pub secants: bool,
@@ -73,6 +75,7 @@ impl Default for FitOptions {
             difference: Difference::Central,
             only: None,
             held: Vec::new(),
+            last: false,
             secants: false,
             columns: None,
         }
@@ -278,7 +281,9 @@ fn fit_from(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit,
     if let Some(only) = &options.only {
         parameters.iter_mut().for_each(|p| p.fixed |= !p.name.starts_with(only.as_str()));
     }
-    parameters.iter_mut().for_each(|p| p.fixed |= options.held.contains(&p.name));
+    parameters.iter_mut().for_each(|p| {
+        p.fixed = (p.fixed && !(options.last && p.freed_at_last)) || options.held.contains(&p.name);
+    });
     let coordinates = Coordinates::new(&parameters);
     let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
     let mut first = options.start.clone().unwrap_or_else(|| nominal.clone());
