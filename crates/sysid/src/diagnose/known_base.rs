@@ -6,15 +6,19 @@
 
 use super::candidate::{Candidate, Effort};
 use super::finish::{following, moved};
+use super::profile::Place;
 use super::screen::is_amplitude;
 use super::search::FINAL_STEPS;
 use crate::data::Data;
 use crate::fit::FittedParameter;
 use rayon::prelude::*;
-use sealegs_model::{Excitation, Model, Scale};
+use sealegs_model::{Excitation, Model, Parameter, Scale};
 
 /// Prior standard deviations from its nominal value beyond which a base parameter is suspected to have been driven there.
 const FAR: f64 = 2.5;
+
+/// The same as a ratio where only an order of magnitude was known.
+const FAR_RATIO: f64 = 3.0;
 
 /// Ratios by which a strength or a magnitude of an effect is moved beside the nominal base model: a ladder, then a finer
 /// one from where that led.
@@ -30,11 +34,19 @@ const FITTED: usize = 4;
 
 /// Whether a fit has driven a base parameter to a bound, or far from its nominal value.
 pub(super) fn is_driven(base: &dyn Model, candidate: &Candidate) -> bool {
-    let driven = |p: &FittedParameter| {
-        let far = p.prior_std.is_some_and(|std| (p.value - p.nominal).abs() > FAR * std);
+    let driven = |(p, known): (&FittedParameter, &Parameter)| {
+        let far = match p.prior_std {
+            Some(std) => (p.value - p.nominal).abs() > FAR * std,
+            None => is_unknown(known) && (p.value / p.nominal).ln().abs() > FAR_RATIO.ln(),
+        };
         !p.fixed && (p.at_bound.is_some() || far)
     };
-    candidate.fit.parameters[..base.parameters().len()].iter().any(driven)
+    candidate.fit.parameters.iter().zip(base.parameters()).any(driven)
+}
+
+/// Whether nothing is known of a base parameter but an order of magnitude.
+pub(super) fn is_unknown(p: &Parameter) -> bool {
+    !p.fixed && p.prior_std.is_none() && p.scale == Scale::Logarithmic
 }
 
 /// The same values with the nominal ones of the base parameters.
@@ -48,12 +60,20 @@ pub(super) fn with_nominal_base(base: &dyn Model, mut known: Vec<(String, f64)>)
 }
 
 /// The candidate, or a fit of lower cost, what is known beforehand counted, from the base parameters' nominal values and
-/// from other strengths of the effects. For models whose fits are cheap.
-pub fn reconciled(data: &Data, base: &dyn Model, seen: &Excitation, mut candidate: Candidate) -> Candidate {
+/// from other strengths of the effects, with all places that were fitted on the way. For models whose fits are cheap;
+/// nothing is done where what is known neither speaks against the candidate nor leaves a part of it open.
+pub(super) fn places_beside(
+    data: &Data,
+    base: &dyn Model,
+    seen: &Excitation,
+    mut candidate: Candidate,
+) -> (Candidate, Vec<Place>) {
     let effort_of = |steps: usize| Effort { last: true, ..Effort::steps(steps) };
     let finally = effort_of(FINAL_STEPS);
+    let mut places = Vec::new();
     for power in ROUNDS {
-        if !is_driven(base, &candidate) {
+        let open = candidate.model.parameters().iter().any(|p| p.freed_at_last);
+        if !open && !is_driven(base, &candidate) {
             break;
         }
         let model = candidate.model.as_ref();
@@ -63,8 +83,8 @@ pub fn reconciled(data: &Data, base: &dyn Model, seen: &Excitation, mut candidat
         };
         let nominal: Vec<f64> =
             with_nominal_base(base, candidate.known()).into_iter().map(|(_, v)| v).collect();
-        let places = moved(&candidate, &nominal, strength, &LADDER.map(|ratio| ratio.powf(power)));
-        let mut followed: Vec<(Vec<f64>, f64)> = places
+        let moved = moved(&candidate, &nominal, strength, &LADDER.map(|ratio| ratio.powf(power)));
+        let mut followed: Vec<Place> = moved
             .into_par_iter()
             .filter_map(|(i, start)| following(data, model, start, i, &effort_of(STEPS)))
             .collect();
@@ -77,8 +97,15 @@ pub fn reconciled(data: &Data, base: &dyn Model, seen: &Excitation, mut candidat
                     .ok()
             })
             .collect();
-        let best = fitted.into_iter().flatten().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
+        let fitted: Vec<Candidate> = fitted.into_iter().flatten().collect();
+        places.extend(fitted.iter().map(|c| (c.fit.values.clone(), c.fit.cost)));
+        let best = fitted.into_iter().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
         candidate = best.filter(|best| best.fit.cost < candidate.fit.cost).unwrap_or(candidate);
     }
-    candidate
+    (candidate, places)
+}
+
+/// The better place of [`places_beside`] alone.
+pub fn reconciled(data: &Data, base: &dyn Model, seen: &Excitation, candidate: Candidate) -> Candidate {
+    places_beside(data, base, seen, candidate).0
 }

@@ -22,6 +22,7 @@ mod profile;
 mod rig;
 mod rivals;
 mod rugged;
+mod scatter;
 mod screen;
 mod search;
 mod validation;
@@ -42,7 +43,7 @@ pub use verdict::{Judged, Verdict, VerdictKind};
 use crate::data::Data;
 use crate::fit::FitOptions;
 use crate::{Campaign, Error, Role, fit};
-use sealegs_model::{Excitation, Model, Parameter, Scale};
+use sealegs_model::{Excitation, Model};
 
 /// How thorough a diagnosis is.
 #[derive(Debug, Clone, PartialEq)]
@@ -212,9 +213,8 @@ pub fn diagnose(
     first.exact = data.predict(base, &first.fit.values).is_ok_and(|p| p == first.fit.evaluation.predictions);
     let nominal: Vec<f64> = base.parameters().iter().map(|p| p.value).collect();
     let at_nominal = || fit::at_values(&data, coarse.as_ref(), &nominal, fit::Difference::Forward).ok();
-    let unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none() && p.scale == Scale::Logarithmic;
     let far = first.fit.error() > BENT * data.floor;
-    let bent = far && !options.secants && base.parameters().iter().any(unknown);
+    let bent = far && !options.secants && base.parameters().iter().any(known_base::is_unknown);
     let nominal = (far && (options.secants || bent)).then(at_nominal).flatten();
     let search = search::Search {
         data: &data,

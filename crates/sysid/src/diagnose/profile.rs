@@ -21,7 +21,7 @@ const LOST: f64 = 0.01;
 const VALLEYS: usize = 2;
 
 /// Values in some distance from the fit's, and the cost there.
-type Place = (Vec<f64>, f64);
+pub(super) type Place = (Vec<f64>, f64);
 
 impl Search<'_> {
     /// The candidate in the lowest valley that is found beside it, and how far each of its values could be without a higher
@@ -67,7 +67,7 @@ impl Search<'_> {
 
 /// The greatest `|x - x_0| / sqrt(2 (cost - cost_0))` of each value: a place is as many standard errors away as noise would
 /// make its cost of, and for a fit that is linear in its parameters this is no more than the standard error.
-fn room(candidate: &Candidate, places: &[Place]) -> Vec<f64> {
+pub(super) fn room(candidate: &Candidate, places: &[Place]) -> Vec<f64> {
     let (left, cost) = (candidate.fit.error().max(1.0), candidate.fit.cost);
     let mut room = vec![0.0_f64; candidate.fit.values.len()];
     for (values, there) in places {

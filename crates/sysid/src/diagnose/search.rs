@@ -3,8 +3,9 @@
 
 use super::candidate::{Effort, values_by_name};
 use super::compare::{clearly_better, worth};
-use super::known_base::{is_driven, reconciled, with_nominal_base};
+use super::known_base::{is_driven, places_beside, with_nominal_base};
 use super::left::{FAR_ABOVE, NEAR_FLOOR};
+use super::profile::Place;
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
 use super::{Candidate, OpenChoice, Options, Progress, Validation, profile};
 use crate::data::Data;
@@ -59,6 +60,9 @@ pub(super) struct Search<'a> {
 
 /// Effects that may help only together: so many are always tried.
 const PAIR: usize = 2;
+
+/// Sets of a size that are looked for from many starts.
+const SCATTERED: usize = 2;
 
 /// Most steps of a fit that goes on.
 pub(super) const FINAL_STEPS: usize = 20;
@@ -177,7 +181,9 @@ impl Search<'_> {
                 self.tried[i] = self.polished(&self.tried[i]);
             }
         }
-        self.tried[chosen] = self.reconciled(self.tried[chosen].clone());
+        let places = self.reconcile(chosen);
+        profile::widen(&mut self.tried[chosen], &room);
+        let room = profile::room(&self.tried[chosen], &places);
         profile::widen(&mut self.tried[chosen], &room);
         let open = self.open_choices(&settled, &others, &self.tried[chosen]);
         Found { tried: self.tried, chosen, tied, same, open, promises, base_as_searched }
@@ -375,9 +381,22 @@ impl Search<'_> {
                 _ => c,
             })
             .collect();
+        let finished = self.scattered_leaders(finished);
         let first = self.tried.len();
         self.tried.extend(finished);
         (first..self.tried.len()).collect()
+    }
+
+    /// Fits with those of lowest cost looked for from many starts, where an effect may be hidden and no set explains much.
+    fn scattered_leaders(&self, mut fitted: Vec<Candidate>) -> Vec<Candidate> {
+        fitted.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+        let least = fitted.first().map_or(0.0, |c| c.fit.error());
+        if self.bent && least > FAR_ABOVE * self.data.floor {
+            for c in fitted.iter_mut().filter(|c| c.effects.len() > 1).take(SCATTERED) {
+                *c = self.scattered(c.clone());
+            }
+        }
+        fitted
     }
 
     pub(super) fn mean_square(&self, index: usize) -> f64 {
@@ -426,15 +445,18 @@ impl Search<'_> {
         Candidate::fitted(self.data, self.base, effects, self.seen, known, &effort).ok()
     }
 
-    /// A polished candidate that what is known of the base parameters does not speak against, where it can be found and
-    /// fits are cheap.
-    fn reconciled(&self, candidate: Candidate) -> Candidate {
+    /// Puts a fit in the place of a polished one that what is known of the base parameters speaks against, where one is
+    /// found and fits are cheap; the other places that were looked at.
+    fn reconcile(&mut self, index: usize) -> Vec<Place> {
         if self.options.secants {
-            return candidate;
+            return Vec::new();
         }
-        let cost = candidate.fit.cost;
-        let found = reconciled(self.data, self.exact, self.seen, candidate);
-        if found.fit.cost < cost { self.polished(&found) } else { found }
+        let candidate = self.tried[index].clone();
+        let (found, places) = places_beside(self.data, self.exact, self.seen, candidate);
+        if found.fit.cost < self.tried[index].fit.cost {
+            self.tried[index] = self.polished(&found);
+        }
+        places
     }
 
     /// Takes a candidate in, in the place of a worse fit of the same set; returns its index.

@@ -106,6 +106,9 @@ pub struct Verdict {
     pub ranking: Vec<Judged>,
 }
 
+/// Share of the energy that a named set leaves of the held-out runs, up to which a part of it leaves clearly less.
+const CLEARLY_LESS: f64 = 0.9;
+
 /// Sets in a ranking.
 const RANKED: usize = 16;
 
@@ -178,6 +181,7 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     }
     if left {
         remainder.extend(unconfirmed(&ranking, found, after.index, &after_holdout, floor));
+        remainder.extend(better_alone(&ranking, found, after.index, &after_holdout, floor));
     }
     let sets = |indices: &[usize]| indices.iter().map(|&i| found.tried[i].effects.clone()).collect();
     Ok(Verdict {
@@ -217,6 +221,35 @@ fn unconfirmed(
             without.fit.error(),
             best.holdout_error,
             held_out.rms
+        )
+    })
+}
+
+/// What is said of a part of the named set that leaves clearly less of the held-out runs than the whole.
+fn better_alone(
+    ranking: &[Option<Judged>],
+    found: &Found,
+    named: usize,
+    held_out: &Evaluation,
+    floor: f64,
+) -> Option<String> {
+    let whole = &found.tried[named];
+    let part_of = |part: &[String]| {
+        !part.is_empty() && part.len() < whole.effects.len() && part.iter().all(|e| whole.effects.contains(e))
+    };
+    let parts = ranking.iter().flatten().filter(|j| part_of(&found.tried[j.index].effects));
+    let part = parts.min_by(|a, b| a.holdout_error.total_cmp(&b.holdout_error))?;
+    let clearly = excess(part.holdout_error, floor) <= CLEARLY_LESS * excess(held_out.rms, floor);
+    let alone = &found.tried[part.index];
+    clearly.then(|| {
+        format!(
+            "On the held-out runs {} alone leaves {:.1} noise units, less than {:.1}; it is the fit runs that ask for \
+             the rest ({:.1} with it, {:.1} without).",
+            alone.effects.join(" + "),
+            part.holdout_error,
+            held_out.rms,
+            whole.fit.error(),
+            alone.fit.error()
         )
     })
 }
