@@ -4,79 +4,109 @@
 //! valleys, and no single start leads to the lowest one. Of many the most promising are followed, ever fewer for ever
 //! longer.
 
-use super::candidate::{Candidate, Effort, values_by_name};
+use super::candidate::{Candidate, Effort};
 use super::known_base::is_unknown;
-use super::left::FAR_ABOVE;
 use super::search::Search;
 use rayon::prelude::*;
 use sealegs_model::{Parameter, Scale};
 
-/// Starts.
+/// Starts of each set.
 const STARTS: u32 = 48;
 
 /// Greatest ratio to the nominal value, up or down.
 const RATIO: f64 = 10.0;
 
-/// How many are followed, and for how many steps, round by round.
-const ROUNDS: [(usize, usize); 3] = [(24, 2), (8, 4), (2, 20)];
+/// What is followed of them, round by round.
+const ROUNDS: [Round; 3] = [
+    Round { of_each: 16, of_all: usize::MAX, steps: 2 },
+    Round { of_each: 4, of_all: 24, steps: 4 },
+    Round { of_each: 2, of_all: 6, steps: 20 },
+];
 
 /// Bases of the sequence that fills the space of starts evenly (Halton 1960), one for each parameter.
 const BASES: [u32; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
 
+/// How many places are followed, of each set and of all together, and for how many steps.
+struct Round {
+    of_each: usize,
+    of_all: usize,
+    steps: usize,
+}
+
+/// Where a set has been followed to.
+struct Place {
+    set: usize,
+    values: Vec<f64>,
+    cost: f64,
+}
+
 impl Search<'_> {
-    /// The candidate, or its fit from one of many other starts if that is better.
-    pub(super) fn scattered(&self, candidate: Candidate) -> Candidate {
-        if !self.bent || candidate.fit.error() <= FAR_ABOVE * self.data.floor {
-            return candidate;
-        }
-        let model = candidate.model.as_ref();
-        let own = self.base.parameters().len();
-        let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
-        let fitted = &candidate.fit.values;
-        let spread: Vec<usize> = (0..nominal.len())
-            .filter(|&i| spreads(&model.parameters()[i], i < own))
-            .take(BASES.len())
+    /// The sets, each at its fit from one of many other starts if that is better.
+    pub(super) fn scattered(&self, mut sets: Vec<Candidate>) -> Vec<Candidate> {
+        let all: Vec<(usize, Vec<f64>)> = sets
+            .iter()
+            .enumerate()
+            .flat_map(|(set, candidate)| self.starts(candidate).into_iter().map(move |start| (set, start)))
             .collect();
-        let start = |n: u32| -> Vec<f64> {
-            // What is not spread starts from the base's nominal values and where the effects were fitted.
-            let mut values = nominal.clone();
-            values[own..].copy_from_slice(&fitted[own..]);
+        let mut places: Vec<Place> = all
+            .into_par_iter()
+            .filter_map(|(set, values)| {
+                let cost = self.data.evaluate(sets[set].model.as_ref(), &values).ok()?.cost;
+                Some(Place { set, values, cost })
+            })
+            .collect();
+        for round in ROUNDS {
+            let effort = Effort::steps(round.steps);
+            let followed: Vec<Option<(usize, Candidate)>> = most_promising(places, sets.len(), &round)
+                .par_iter()
+                .map(|place| {
+                    let known = sets[place.set].named(&place.values);
+                    let effects = &sets[place.set].effects;
+                    let fit = Candidate::fitted(self.data, self.base, effects, self.seen, &known, &effort);
+                    fit.ok().map(|c| (place.set, c))
+                })
+                .collect();
+            places = Vec::new();
+            for (set, candidate) in followed.into_iter().flatten() {
+                places.push(Place { set, values: candidate.fit.values.clone(), cost: candidate.fit.cost });
+                if candidate.fit.cost < sets[set].fit.cost {
+                    sets[set] = candidate;
+                }
+            }
+        }
+        sets
+    }
+
+    /// Values all over the range of what nothing is known of; the others are the base's nominal values, and those at which
+    /// the effects were fitted.
+    fn starts(&self, candidate: &Candidate) -> Vec<Vec<f64>> {
+        let (parameters, own) = (candidate.model.parameters(), self.base.parameters().len());
+        let spread: Vec<usize> =
+            (0..parameters.len()).filter(|&i| spreads(&parameters[i], i < own)).take(BASES.len()).collect();
+        let start = |n: u32| {
+            let mut values: Vec<f64> = parameters[..own].iter().map(|p| p.value).collect();
+            values.extend_from_slice(&candidate.fit.values[own..]);
             for (&i, &base) in spread.iter().zip(&BASES) {
-                let p = &model.parameters()[i];
+                let p = &parameters[i];
                 let ratio = RATIO.powf(2.0 * radical_inverse(n, base) - 1.0);
                 values[i] = (p.value * ratio).clamp(p.min, p.max);
             }
             values
         };
-        let cost = |values: &[f64]| self.data.evaluate(model, values).map_or(f64::INFINITY, |e| e.cost);
-        let mut places: Vec<(Vec<f64>, f64)> = (1..=STARTS)
-            .into_par_iter()
-            .map(|n| {
-                let values = start(n);
-                let cost = cost(&values);
-                (values, cost)
-            })
-            .collect();
-        let mut best = candidate.clone();
-        for (most, steps) in ROUNDS {
-            places.sort_by(|a, b| a.1.total_cmp(&b.1));
-            places.truncate(most);
-            let effort = Effort::steps(steps);
-            let followed: Vec<Option<Candidate>> = places
-                .par_iter()
-                .map(|(values, _)| {
-                    let known = candidate.named(values);
-                    let (data, base, seen) = (self.data, self.base, self.seen);
-                    Candidate::fitted(data, base, &candidate.effects, seen, &known, &effort).ok()
-                })
-                .collect();
-            let followed: Vec<Candidate> = followed.into_iter().flatten().collect();
-            places = followed.iter().map(|c| (values_by_name(model, &c.known()), c.fit.cost)).collect();
-            best =
-                followed.into_iter().fold(best, |best, c| if c.fit.cost < best.fit.cost { c } else { best });
-        }
-        best
+        (1..=STARTS).map(start).collect()
     }
+}
+
+/// The places of lowest cost, as many as a round follows.
+fn most_promising(mut places: Vec<Place>, sets: usize, round: &Round) -> Vec<Place> {
+    places.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let mut taken = vec![0; sets];
+    places.retain(|place| {
+        taken[place.set] += 1;
+        taken[place.set] <= round.of_each
+    });
+    places.truncate(round.of_all);
+    places
 }
 
 /// Whether the starts differ in a parameter: one of which nothing is known, or a positive one of an effect.

@@ -61,8 +61,8 @@ pub(super) struct Search<'a> {
 /// Effects that may help only together: so many are always tried.
 const PAIR: usize = 2;
 
-/// Sets of a size that are looked for from many starts.
-const SCATTERED: usize = 2;
+/// Pairs that are looked for from many starts; sets that grow from them begin near the right values.
+const SCATTERED_PAIRS: usize = 12;
 
 /// Most steps of a fit that goes on.
 pub(super) const FINAL_STEPS: usize = 20;
@@ -381,22 +381,25 @@ impl Search<'_> {
                 _ => c,
             })
             .collect();
-        let finished = self.scattered_leaders(finished);
+        let finished = self.scattered_pairs(finished);
         let first = self.tried.len();
         self.tried.extend(finished);
         (first..self.tried.len()).collect()
     }
 
-    /// Fits with those of lowest cost looked for from many starts, where an effect may be hidden and no set explains much.
-    fn scattered_leaders(&self, mut fitted: Vec<Candidate>) -> Vec<Candidate> {
+    /// Fits with the pairs of lowest cost looked for from many starts, where an effect may be hidden and no pair explains
+    /// much.
+    fn scattered_pairs(&self, mut fitted: Vec<Candidate>) -> Vec<Candidate> {
         fitted.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
-        let least = fitted.first().map_or(0.0, |c| c.fit.error());
-        if self.bent && least > FAR_ABOVE * self.data.floor {
-            for c in fitted.iter_mut().filter(|c| c.effects.len() > 1).take(SCATTERED) {
-                *c = self.scattered(c.clone());
-            }
+        let explained = fitted.first().is_none_or(|c| c.fit.error() <= FAR_ABOVE * self.data.floor);
+        if !self.bent || explained {
+            return fitted;
         }
-        fitted
+        let (mut pairs, mut others): (Vec<_>, Vec<_>) =
+            fitted.into_iter().partition(|c| c.effects.len() == PAIR);
+        others.extend(pairs.split_off(pairs.len().min(SCATTERED_PAIRS)));
+        others.extend(self.scattered(pairs));
+        others
     }
 
     pub(super) fn mean_square(&self, index: usize) -> f64 {
