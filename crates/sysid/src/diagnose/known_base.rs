@@ -8,7 +8,7 @@ use super::candidate::{Candidate, Effort};
 use super::finish::{following, moved};
 use super::profile::Place;
 use super::screen::is_amplitude;
-use super::search::FINAL_STEPS;
+use super::search::{FINAL_STEPS, Search};
 use crate::data::Data;
 use crate::fit::FittedParameter;
 use rayon::prelude::*;
@@ -23,6 +23,7 @@ const FAR_RATIO: f64 = 3.0;
 /// Ratios by which a strength or a magnitude of an effect is moved beside the nominal base model: a ladder, then a finer
 /// one from where that led.
 const LADDER: [f64; 13] = [0.3, 0.37, 0.45, 0.55, 0.67, 0.82, 1.0, 1.22, 1.5, 1.8, 2.2, 2.7, 3.3];
+
 /// Powers of the ladder's ratios, round by round.
 const ROUNDS: [f64; 3] = [1.0, 0.25, 0.06];
 
@@ -59,10 +60,26 @@ pub(super) fn with_nominal_base(base: &dyn Model, mut known: Vec<(String, f64)>)
     known
 }
 
+impl Search<'_> {
+    /// Puts a fit in the place of a polished one that what is known of the base parameters speaks against, where one is
+    /// found and fits are cheap; the other places that were looked at.
+    pub(super) fn reconcile(&mut self, index: usize) -> Vec<Place> {
+        if self.options.secants {
+            return Vec::new();
+        }
+        let candidate = self.tried[index].clone();
+        let (found, places) = places_beside(self.data, self.exact, self.seen, candidate);
+        if found.fit.cost < self.tried[index].fit.cost {
+            self.tried[index] = self.polished(&found);
+        }
+        places
+    }
+}
+
 /// The candidate, or a fit of lower cost, what is known beforehand counted, from the base parameters' nominal values and
 /// from other strengths of the effects, with all places that were fitted on the way. For models whose fits are cheap;
 /// nothing is done where what is known neither speaks against the candidate nor leaves a part of it open.
-pub(super) fn places_beside(
+fn places_beside(
     data: &Data,
     base: &dyn Model,
     seen: &Excitation,

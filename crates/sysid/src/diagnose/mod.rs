@@ -228,6 +228,7 @@ pub fn diagnose(
         options,
         tried: vec![first],
         screened: Vec::new(),
+        scattered: 0,
         progress,
     };
     let found = search.run(&holdout);

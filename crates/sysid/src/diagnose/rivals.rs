@@ -51,7 +51,8 @@ impl Search<'_> {
         rivals.truncate(SECOND_CHANCES);
         let near = &self.tried[best];
         let fitted: Vec<Option<Candidate>> = rivals.par_iter().map(|r| self.chance(near, r)).collect();
-        let kept: Vec<usize> = fitted.into_iter().flatten().map(|candidate| self.keep(candidate)).collect();
+        let fitted = self.scattered_leaders(fitted.into_iter().flatten().collect());
+        let kept: Vec<usize> = fitted.into_iter().map(|candidate| self.keep(candidate)).collect();
         kept.into_iter().fold(best, |best, i| {
             if clearly_better(&self.tried[best], &self.tried[i], self.data.floor) { i } else { best }
         })

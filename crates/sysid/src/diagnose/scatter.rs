@@ -6,9 +6,16 @@
 
 use super::candidate::{Candidate, Effort};
 use super::known_base::is_unknown;
-use super::search::Search;
+use super::left::FAR_ABOVE;
+use super::search::{PAIR, Search};
 use rayon::prelude::*;
 use sealegs_model::{Parameter, Scale};
+
+/// Pairs that are looked for from many starts.
+const PAIRS: usize = 12;
+
+/// The same of larger sets, which grow from those and begin nearer the right values.
+const LARGER: usize = 4;
 
 /// Starts of each set.
 const STARTS: u32 = 48;
@@ -18,9 +25,9 @@ const RATIO: f64 = 10.0;
 
 /// What is followed of them, round by round.
 const ROUNDS: [Round; 3] = [
-    Round { of_each: 16, of_all: usize::MAX, steps: 2 },
-    Round { of_each: 4, of_all: 24, steps: 4 },
-    Round { of_each: 2, of_all: 6, steps: 20 },
+    Round { of_each: 24, of_all: usize::MAX, steps: 2 },
+    Round { of_each: 8, of_all: 48, steps: 4 },
+    Round { of_each: 2, of_all: 8, steps: 20 },
 ];
 
 /// Bases of the sequence that fills the space of starts evenly (Halton 1960), one for each parameter.
@@ -41,8 +48,26 @@ struct Place {
 }
 
 impl Search<'_> {
+    /// Fits with the sets of lowest cost looked for from many starts, where an effect may be hidden, several are combined, and
+    /// no set explains much.
+    pub(super) fn scattered_leaders(&mut self, mut fitted: Vec<Candidate>) -> Vec<Candidate> {
+        fitted.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+        let explained = fitted.first().is_none_or(|c| c.fit.error() <= FAR_ABOVE * self.data.floor);
+        if !self.bent || explained {
+            return fitted;
+        }
+        let (mut leaders, mut others): (Vec<_>, Vec<_>) =
+            fitted.into_iter().partition(|c| c.effects.len() >= PAIR);
+        let most = if leaders.iter().all(|c| c.effects.len() == PAIR) { PAIRS } else { LARGER };
+        others.extend(leaders.split_off(leaders.len().min(most)));
+        let before = self.data.work().0;
+        others.extend(self.from_many_starts(leaders));
+        self.scattered += self.data.work().0 - before;
+        others
+    }
+
     /// The sets, each at its fit from one of many other starts if that is better.
-    pub(super) fn scattered(&self, mut sets: Vec<Candidate>) -> Vec<Candidate> {
+    fn from_many_starts(&self, mut sets: Vec<Candidate>) -> Vec<Candidate> {
         let all: Vec<(usize, Vec<f64>)> = sets
             .iter()
             .enumerate()
@@ -77,15 +102,17 @@ impl Search<'_> {
         sets
     }
 
-    /// Values all over the range of what nothing is known of; the others are the base's nominal values, and those at which
-    /// the effects were fitted.
+    /// Values all over the range of what nothing is known of; the others are the base's nominal values, its choices as they
+    /// were made, and those at which the effects were fitted.
     fn starts(&self, candidate: &Candidate) -> Vec<Vec<f64>> {
         let (parameters, own) = (candidate.model.parameters(), self.base.parameters().len());
         let spread: Vec<usize> =
             (0..parameters.len()).filter(|&i| spreads(&parameters[i], i < own)).take(BASES.len()).collect();
         let start = |n: u32| {
-            let mut values: Vec<f64> = parameters[..own].iter().map(|p| p.value).collect();
-            values.extend_from_slice(&candidate.fit.values[own..]);
+            let mut values = candidate.fit.values.clone();
+            for (value, p) in values.iter_mut().zip(&parameters[..own]).filter(|(_, p)| !p.fixed) {
+                *value = p.value;
+            }
             for (&i, &base) in spread.iter().zip(&BASES) {
                 let p = &parameters[i];
                 let ratio = RATIO.powf(2.0 * radical_inverse(n, base) - 1.0);

@@ -3,9 +3,8 @@
 
 use super::candidate::{Effort, values_by_name};
 use super::compare::{clearly_better, worth};
-use super::known_base::{is_driven, places_beside, with_nominal_base};
+use super::known_base::{is_driven, with_nominal_base};
 use super::left::{FAR_ABOVE, NEAR_FLOOR};
-use super::profile::Place;
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
 use super::{Candidate, OpenChoice, Options, Progress, Validation, profile};
 use crate::data::Data;
@@ -55,14 +54,13 @@ pub(super) struct Search<'a> {
     pub tried: Vec<Candidate>,
     /// What screening found beside which of `tried`.
     pub screened: Vec<(usize, Vec<Promise>)>,
+    /// Simulations of fits from many starts, which do not count against growing.
+    pub scattered: u64,
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
 /// Effects that may help only together: so many are always tried.
-const PAIR: usize = 2;
-
-/// Pairs that are looked for from many starts; sets that grow from them begin near the right values.
-const SCATTERED_PAIRS: usize = 12;
+pub(super) const PAIR: usize = 2;
 
 /// Most steps of a fit that goes on.
 pub(super) const FINAL_STEPS: usize = 20;
@@ -112,7 +110,9 @@ impl Search<'_> {
         }
         let mut frontier = vec![0];
         for size in 1..=self.options.most_effects {
-            if self.at_floor(best) || (size > PAIR && self.data.work().0 > self.options.growing_simulations) {
+            if self.at_floor(best)
+                || (size > PAIR && self.data.work().0 - self.scattered > self.options.growing_simulations)
+            {
                 break;
             }
             let mut plans = self.plans_from_nominal(&frontier, size);
@@ -381,25 +381,10 @@ impl Search<'_> {
                 _ => c,
             })
             .collect();
-        let finished = self.scattered_pairs(finished);
+        let finished = self.scattered_leaders(finished);
         let first = self.tried.len();
         self.tried.extend(finished);
         (first..self.tried.len()).collect()
-    }
-
-    /// Fits with the pairs of lowest cost looked for from many starts, where an effect may be hidden and no pair explains
-    /// much.
-    fn scattered_pairs(&self, mut fitted: Vec<Candidate>) -> Vec<Candidate> {
-        fitted.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
-        let explained = fitted.first().is_none_or(|c| c.fit.error() <= FAR_ABOVE * self.data.floor);
-        if !self.bent || explained {
-            return fitted;
-        }
-        let (mut pairs, mut others): (Vec<_>, Vec<_>) =
-            fitted.into_iter().partition(|c| c.effects.len() == PAIR);
-        others.extend(pairs.split_off(pairs.len().min(SCATTERED_PAIRS)));
-        others.extend(self.scattered(pairs));
-        others
     }
 
     pub(super) fn mean_square(&self, index: usize) -> f64 {
@@ -446,20 +431,6 @@ impl Search<'_> {
     ) -> Option<Candidate> {
         let effort = self.options.effort(near, FINAL_STEPS);
         Candidate::fitted(self.data, self.base, effects, self.seen, known, &effort).ok()
-    }
-
-    /// Puts a fit in the place of a polished one that what is known of the base parameters speaks against, where one is
-    /// found and fits are cheap; the other places that were looked at.
-    fn reconcile(&mut self, index: usize) -> Vec<Place> {
-        if self.options.secants {
-            return Vec::new();
-        }
-        let candidate = self.tried[index].clone();
-        let (found, places) = places_beside(self.data, self.exact, self.seen, candidate);
-        if found.fit.cost < self.tried[index].fit.cost {
-            self.tried[index] = self.polished(&found);
-        }
-        places
     }
 
     /// Takes a candidate in, in the place of a worse fit of the same set; returns its index.
