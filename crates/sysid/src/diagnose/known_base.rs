@@ -122,7 +122,8 @@ fn places_beside(
     (candidate, places)
 }
 
-/// The better place of [`places_beside`] alone.
+/// The candidate, or a fit of lower cost, what is known beforehand counted, from the base parameters' nominal values and
+/// from other strengths of the effects, where the candidate contradicts what is known. For models whose fits are cheap.
 pub fn reconciled(data: &Data, base: &dyn Model, seen: &Excitation, candidate: Candidate) -> Candidate {
     places_beside(data, base, seen, candidate).0
 }

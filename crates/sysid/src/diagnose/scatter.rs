@@ -61,13 +61,13 @@ impl Search<'_> {
         let most = if leaders.iter().all(|c| c.effects.len() == PAIR) { PAIRS } else { LARGER };
         others.extend(leaders.split_off(leaders.len().min(most)));
         let before = self.data.work().0;
-        others.extend(self.from_many_starts(leaders));
+        others.extend(self.followed_from_many_starts(leaders));
         self.scattered += self.data.work().0 - before;
         others
     }
 
     /// The sets, each at its fit from one of many other starts if that is better.
-    fn from_many_starts(&self, mut sets: Vec<Candidate>) -> Vec<Candidate> {
+    fn followed_from_many_starts(&self, mut sets: Vec<Candidate>) -> Vec<Candidate> {
         let all: Vec<(usize, Vec<f64>)> = sets
             .iter()
             .enumerate()
