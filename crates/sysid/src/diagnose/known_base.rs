@@ -10,7 +10,7 @@ use super::profile::Place;
 use super::screen::is_amplitude;
 use super::search::{FINAL_STEPS, Search};
 use crate::data::Data;
-use crate::fit::FittedParameter;
+use crate::fit::{self, Difference, FittedParameter};
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model, Parameter, Scale};
 
@@ -60,7 +60,19 @@ pub(super) fn with_nominal_base(base: &dyn Model, mut known: Vec<(String, f64)>)
     known
 }
 
+/// A candidate's values with the nominal ones of the base parameters.
+pub(super) fn values_with_nominal_base(base: &dyn Model, candidate: &Candidate) -> Vec<f64> {
+    with_nominal_base(base, candidate.known()).into_iter().map(|(_, value)| value).collect()
+}
+
 impl Search<'_> {
+    /// A candidate with the base parameters' nominal values, as it is.
+    pub(super) fn at_nominal(&self, candidate: &Candidate) -> Option<Candidate> {
+        let (model, values) = (candidate.model.as_ref(), values_with_nominal_base(self.base, candidate));
+        let fit = fit::at_values(self.data, model, &values, Difference::Forward).ok()?;
+        Some(Candidate { fit, ..candidate.clone() })
+    }
+
     /// Puts a fit in the place of a polished one that what is known of the base parameters speaks against, where one is
     /// found and fits are cheap; the other places that were looked at.
     pub(super) fn reconcile(&mut self, index: usize) -> Vec<Place> {
@@ -98,8 +110,7 @@ fn places_beside(
             let p = &model.parameters()[*i];
             *i >= base.parameters().len() && (p.scale == Scale::Logarithmic || is_amplitude(p))
         };
-        let nominal: Vec<f64> =
-            with_nominal_base(base, candidate.known()).into_iter().map(|(_, v)| v).collect();
+        let nominal = values_with_nominal_base(base, &candidate);
         let moved = moved(&candidate, &nominal, strength, &LADDER.map(|ratio| ratio.powf(power)));
         let mut followed: Vec<Place> = moved
             .into_par_iter()

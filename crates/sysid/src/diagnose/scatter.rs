@@ -5,7 +5,7 @@
 //! longer.
 
 use super::candidate::{Candidate, Effort};
-use super::known_base::is_unknown;
+use super::known_base::{is_unknown, values_with_nominal_base};
 use super::left::FAR_ABOVE;
 use super::search::{PAIR, Search};
 use rayon::prelude::*;
@@ -108,11 +108,9 @@ impl Search<'_> {
         let (parameters, own) = (candidate.model.parameters(), self.base.parameters().len());
         let spread: Vec<usize> =
             (0..parameters.len()).filter(|&i| spreads(&parameters[i], i < own)).take(BASES.len()).collect();
+        let nominal = values_with_nominal_base(self.base, candidate);
         let start = |n: u32| {
-            let mut values = candidate.fit.values.clone();
-            for (value, p) in values.iter_mut().zip(&parameters[..own]).filter(|(_, p)| !p.fixed) {
-                *value = p.value;
-            }
+            let mut values = nominal.clone();
             for (&i, &base) in spread.iter().zip(&BASES) {
                 let p = &parameters[i];
                 let ratio = RATIO.powf(2.0 * radical_inverse(n, base) - 1.0);

@@ -1,14 +1,14 @@
 //! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the best
 //! few at every size are fitted, members leave again, and rivals of each member are tried.
 
-use super::candidate::{Effort, values_by_name};
+use super::candidate::Effort;
 use super::compare::{clearly_better, worth};
 use super::known_base::{is_driven, with_nominal_base};
 use super::left::{FAR_ABOVE, NEAR_FLOOR};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
 use super::{Candidate, OpenChoice, Options, Progress, Validation, profile};
 use crate::data::Data;
-use crate::fit::{self, Difference};
+use crate::fit::Difference;
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model};
 
@@ -238,14 +238,6 @@ impl Search<'_> {
     /// Starting values of each effect that are simulated where sets of this size are looked for.
     fn most_starts(&self, size: usize) -> usize {
         if size == 1 { self.options.starts } else { self.options.starts_later }
-    }
-
-    /// A candidate with the base parameters' nominal values, as it is.
-    fn at_nominal(&self, candidate: &Candidate) -> Option<Candidate> {
-        let known = with_nominal_base(self.base, candidate.known());
-        let values = values_by_name(candidate.model.as_ref(), &known);
-        let fit = fit::at_values(self.data, candidate.model.as_ref(), &values, Difference::Forward).ok()?;
-        Some(Candidate { fit, ..candidate.clone() })
     }
 
     /// A set with one more effect, from its most promising start and the most promising one that is

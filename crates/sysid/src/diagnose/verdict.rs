@@ -180,8 +180,9 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
         remainder.insert(0, ONLY_HELD_OUT.to_owned());
     }
     if left {
-        remainder.extend(unconfirmed(&ranking, found, after.index, &after_holdout, floor));
-        remainder.extend(better_alone(&ranking, found, after.index, &after_holdout, floor));
+        let ranked: Vec<&Judged> = ranking.iter().flatten().collect();
+        remainder.extend(unconfirmed(&ranked, found, &after, floor));
+        remainder.extend(better_alone(&ranked, found, &after, floor));
     }
     let sets = |indices: &[usize]| indices.iter().map(|&i| found.tried[i].effects.clone()).collect();
     Ok(Verdict {
@@ -202,15 +203,9 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
 
 /// What is said of the set that foresees the fit runs best, where it leaves far less of them than what is named and
 /// the held-out runs, which do not confirm it as a whole, keep it from being named.
-fn unconfirmed(
-    ranking: &[Option<Judged>],
-    found: &Found,
-    named: usize,
-    held_out: &Evaluation,
-    floor: f64,
-) -> Option<String> {
-    let best = ranking.iter().flatten().next().filter(|best| best.index != named)?;
-    let (with, without) = (&found.tried[best.index], &found.tried[named]);
+fn unconfirmed(ranked: &[&Judged], found: &Found, named: &Judged, floor: f64) -> Option<String> {
+    let best = ranked.first().filter(|best| best.index != named.index)?;
+    let (with, without) = (&found.tried[best.index], &found.tried[named.index]);
     let far_less = excess(with.fit.error(), floor) <= FAR_LESS * excess(without.fit.error(), floor);
     far_less.then(|| {
         format!(
@@ -220,26 +215,20 @@ fn unconfirmed(
             with.fit.error(),
             without.fit.error(),
             best.holdout_error,
-            held_out.rms
+            named.holdout_error
         )
     })
 }
 
 /// What is said of a part of the named set that leaves clearly less of the held-out runs than the whole.
-fn better_alone(
-    ranking: &[Option<Judged>],
-    found: &Found,
-    named: usize,
-    held_out: &Evaluation,
-    floor: f64,
-) -> Option<String> {
-    let whole = &found.tried[named];
+fn better_alone(ranked: &[&Judged], found: &Found, named: &Judged, floor: f64) -> Option<String> {
+    let whole = &found.tried[named.index];
     let part_of = |part: &[String]| {
         !part.is_empty() && part.len() < whole.effects.len() && part.iter().all(|e| whole.effects.contains(e))
     };
-    let parts = ranking.iter().flatten().filter(|j| part_of(&found.tried[j.index].effects));
+    let parts = ranked.iter().filter(|j| part_of(&found.tried[j.index].effects));
     let part = parts.min_by(|a, b| a.holdout_error.total_cmp(&b.holdout_error))?;
-    let clearly = excess(part.holdout_error, floor) <= CLEARLY_LESS * excess(held_out.rms, floor);
+    let clearly = excess(part.holdout_error, floor) <= CLEARLY_LESS * excess(named.holdout_error, floor);
     let alone = &found.tried[part.index];
     clearly.then(|| {
         format!(
@@ -247,7 +236,7 @@ fn better_alone(
              the rest ({:.1} with it, {:.1} without).",
             alone.effects.join(" + "),
             part.holdout_error,
-            held_out.rms,
+            named.holdout_error,
             whole.fit.error(),
             alone.fit.error()
         )
