@@ -1,6 +1,6 @@
 //! The model of a campaign that was recorded on a bench: its actuator, or another actuator file, on that bench.
 
-use crate::campaign_model::{CampaignModel, notes_of};
+use crate::campaign_model::{CampaignModel, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::plan;
 use crate::failure::{OrBadInput, bad_input};
@@ -33,7 +33,13 @@ pub fn of_campaign(
     let spec = match model {
         Some(path) => ActuatorSpec::load(&path.to_string_lossy(), None).or_bad_input()?,
         None => ActuatorSpec::load(&campaign.actuator, Some(campaign.folder()))
-            .map_err(|e| bad_input(format!("{}: actuator: {e}", campaign.file.display())))?,
+            .map_err(|e| campaign.bad_model(e.to_string()))
+            .or_bad_input()?,
+    };
+    let source = model.map_or_else(|| campaign.folder().join(&campaign.actuator), Path::to_owned);
+    let spec = match was_fitted_here(&spec.provenance, &source, campaign)? {
+        true => spec.without_fitted_std(),
+        false => spec,
     };
     for (channel, sensor) in &spec.sensors {
         campaign.state_sensor(channel, sensor.gain_std, sensor.bias_std);

@@ -1,6 +1,7 @@
 //! The model of a campaign, whatever it was recorded on, and what commands ask of it beside predictions.
 
 use crate::diagnosis::addition::Added;
+use crate::diagnosis::provenance::Provenance;
 use crate::failure::OrBadInput;
 use crate::{bench_model, leg_model};
 use sealegs_actuator::effect::{Effect, OwnEffect};
@@ -8,6 +9,7 @@ use sealegs_actuator::spec::SensorSpec;
 use sealegs_model::Model;
 use sealegs_sysid::diagnose::{Experiment, Limits};
 use sealegs_sysid::{Campaign, campaign};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -75,6 +77,38 @@ pub fn with_own_effects(
     campaign.check_against(seen).or_bad_input()?;
     Ok(model)
 }
+
+/// Whether the model file with this provenance was fitted to one of the campaign's fit runs.
+///
+/// What such a fit knew of its values came from these very rows: taken for known beforehand it would count them twice,
+/// and every interval would come out too narrow. A remark in the campaign says that it is not.
+pub(crate) fn was_fitted_here(
+    provenance: &BTreeMap<String, String>,
+    file: &Path,
+    campaign: &mut Campaign,
+) -> anyhow::Result<bool> {
+    let Some(inputs) = provenance.get(INPUTS) else { return Ok(false) };
+    let runs = campaign.runs_of(campaign::Role::Fit).map(|run| run.path.as_path());
+    let runs = Provenance::new(String::new(), runs)?;
+    let own = runs.inputs.iter().any(|run| inputs.contains(&run.sha256));
+    if own {
+        campaign.notes.push(format!(
+            "{}: was fitted to runs of this campaign; its standard errors do not count as known beforehand",
+            file.display()
+        ));
+    }
+    Ok(own)
+}
+
+/// The files that a model was fitted to, as a model file keeps them.
+#[must_use]
+pub(crate) fn inputs_of(provenance: &Provenance) -> (&'static str, String) {
+    let hashes = provenance.inputs.iter().map(|i| format!("{} sha256:{}", i.file, i.sha256));
+    (INPUTS, hashes.collect::<Vec<_>>().join("; "))
+}
+
+/// The key of [`inputs_of`] in a model file's provenance.
+const INPUTS: &str = "inputs";
 
 /// The errors of a model without and with what was added, as a model file keeps them.
 #[must_use]

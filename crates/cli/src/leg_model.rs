@@ -1,6 +1,6 @@
 //! The model of a campaign that was recorded on a leg: its scenario, or another scenario file, and its runs' own.
 
-use crate::campaign_model::{CampaignModel, notes_of};
+use crate::campaign_model::{CampaignModel, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::plan;
 use crate::failure::{OrBadInput, bad_input};
@@ -28,10 +28,16 @@ pub fn of_campaign(
 ) -> anyhow::Result<LegModel> {
     let file = campaign.file.display().to_string();
     let nominal = beside(campaign, campaign.scenario.as_deref().unwrap_or_default())
-        .map_err(|e| bad_input(format!("{file}: scenario: {e}")))?;
+        .map_err(|e| campaign.bad_model(e.to_string()))
+        .or_bad_input()?;
     let scenario = match model {
         Some(path) => Scenario::load(&path.to_string_lossy(), &[]).or_bad_input()?,
         None => nominal.clone(),
+    };
+    let source = model.map_or_else(|| campaign.file.clone(), Path::to_owned);
+    let scenario = match was_fitted_here(&scenario.provenance, &source, campaign)? {
+        true => scenario.without_fitted_std(),
+        false => scenario,
     };
     let mut runs: Vec<(String, Scenario)> = Vec::new();
     for run in &campaign.runs {

@@ -208,7 +208,7 @@ fn every_fault_of_the_contract_is_one_message_with_status_2_and_no_file() {
     // Unknown words.
     bad_toml("\"locked\"", "\"loked\"", &["line 2", "bench", "did you mean 'locked'"]);
     let unknown = toml.replacen("model.toml", "thor-liner", 1);
-    let said = ["campaign.toml", "actuator", "did you mean 'thor-linear'"];
+    let said = ["campaign.toml", "line 3", "actuator", "did you mean 'thor-linear'"];
     // `add` is told its model by `--to`, and reads no other.
     refused(&unknown, Some(&table), &said, &verbs[..3]);
     bad_toml("\"fit\"", "\"fits\"", &["line 10", "role", "did you mean 'fit'"]);

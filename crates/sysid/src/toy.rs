@@ -197,6 +197,7 @@ pub(crate) fn campaign(
         bench: Bench::Locked,
         actuator: "toy".into(),
         scenario: None,
+        model_line: None,
         sample_rate_hz: Some(200.0),
         noise: vec![channel("force_1_n", noise.0), channel("spring_deflection_m", noise.1)],
         sensors: Vec::new(),

@@ -150,11 +150,7 @@ impl BenchModel {
                 let Some(parameter) = model.parameters[before..].iter_mut().find(|p| p.name == full) else {
                     return Err(unknown(full, name, "a parameter of this effect".to_owned()));
                 };
-                parameter.value = given.value;
-                parameter.prior_std = given.std.filter(|s| *s > 0.0);
-                parameter.min = parameter.min.min(given.value);
-                parameter.max = parameter.max.max(given.value);
-                parameter.typical = (0.1 * given.value.abs()).max(1e-3 * parameter.typical);
+                effect.state(*given, parameter);
             }
         }
         Ok(model)

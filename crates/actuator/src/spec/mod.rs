@@ -214,6 +214,15 @@ impl ActuatorSpec {
         Self::preset(name_or_path)
     }
 
+    /// The same actuator without what a fit knew of its values (`std`): their tolerances hold again, if there are any.
+    #[must_use]
+    pub fn without_fitted_std(&self) -> Self {
+        let mut plain = self.clone();
+        plain.parameters.values_mut().for_each(|said| said.std = None);
+        plain.effects.iter_mut().flat_map(|e| e.parameters.values_mut()).for_each(|given| given.std = None);
+        plain
+    }
+
     /// Checks every number, for a spec that was changed after reading.
     ///
     /// # Errors

@@ -65,8 +65,9 @@ impl ActuatorSpec {
     /// `force_constant` is felt only where the input is a current, `motor_gain` only where it is a motor force
     /// or torque. `input_offset` is a constant beside the command, in its unit. `command_lead` is a choice
     /// between 0 (a row's command is in force from its time stamp on, the sensors are read before it acts) and
-    /// 1 (it was in force during the period that ends at the time stamp); both are tried in a fit, and 1 is kept
-    /// where they fit equally well, so that a delay counts from the start of the period.
+    /// 1 (it was in force during the period that ends at the time stamp); both are tried in a fit, and where
+    /// they fit equally well the one that the file states is kept, otherwise 1, so that a delay counts from the start
+    /// of the period.
     /// `clock_skew` is a small lateness of the command against the sensors, in sampling periods.
     #[must_use]
     pub fn base_parameters(&self) -> Vec<Parameter> {
@@ -128,7 +129,7 @@ fn parameter(name: &str, unit: &str, value: f64, said: Option<&ParameterSpec>) -
     if name == "command_lead" {
         // A choice, not a quantity: was a row stamped when its command began or when it ended?
         parameter.max = 1.0;
-        parameter.starts = vec![1.0, 0.0];
+        parameter.starts = if known.value.is_some_and(|v| v < 0.5) { vec![0.0, 1.0] } else { vec![1.0, 0.0] };
         parameter.fixed = true;
     }
     if value == 0.0 {

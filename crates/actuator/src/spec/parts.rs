@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt;
 
+use sealegs_model::Parameter;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
@@ -243,7 +244,29 @@ pub struct EffectSpec {
     pub definition: Option<toml::Table>,
 }
 
+/// How far a bound that was only guessed lies from a value that a file states, at least, as a ratio.
+const ROOM: f64 = 10.0;
+
 impl EffectSpec {
+    /// Puts a value that the file states into a parameter of this effect.
+    ///
+    /// The catalogue guesses starts, and bounds that have a unit, from the runs at hand, of which a file says nothing:
+    /// the value is the only start, and bounds give way until ten times and a tenth of it lie between. A bound without
+    /// a unit belongs to the law, and one of a user's own effect was stated: these give way to the value alone.
+    pub fn state(&self, given: EffectValue, parameter: &mut Parameter) {
+        let value = given.value;
+        parameter.value = value;
+        parameter.prior_std = given.std.filter(|s| *s > 0.0);
+        let guessed = !parameter.unit.is_empty() && self.definition.is_none();
+        let room = if guessed { [value, ROOM * value, value / ROOM] } else { [value; 3] };
+        (parameter.min, parameter.max) =
+            room.iter().fold((parameter.min, parameter.max), |(low, high), v| (low.min(*v), high.max(*v)));
+        if !parameter.fixed {
+            parameter.starts.clear();
+        }
+        parameter.typical = (0.1 * value.abs()).max(1e-3 * parameter.typical);
+    }
+
     fn bad(&self, name: &str, value: f64, admitted: &str) -> ActuatorError {
         ActuatorError::value(format!("effect.{}.parameters.{name}", self.id), value, admitted)
     }

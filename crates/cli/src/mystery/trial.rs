@@ -94,6 +94,7 @@ pub fn campaign_of(made: &Made) -> anyhow::Result<(Campaign, BenchModel)> {
         },
         actuator: made.actuator.to_owned(),
         scenario: None,
+        model_line: None,
         sample_rate_hz: None,
         noise: noise.collect(),
         sensors: Vec::new(),

@@ -1,5 +1,6 @@
 //! `sealegs add`: puts an effect into a model, refits, and writes the better model.
 
+use crate::campaign_model::inputs_of;
 use crate::diagnosis::addition::{Added, add};
 use crate::diagnosis::outcome::{Outcome, Ranked, Work, parameters, percent};
 use crate::diagnosis::provenance::Provenance;
@@ -74,12 +75,11 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
         arguments.model.display(),
         arguments.campaign.display()
     );
-    let hashes = provenance.inputs.iter().map(|i| format!("{} sha256:{}", i.file, i.sha256));
     let from = [
         ("command", command.clone()),
         ("version", format!("sealegs {}", provenance.version)),
         ("model", arguments.model.display().to_string()),
-        ("inputs", hashes.collect::<Vec<_>>().join("; ")),
+        inputs_of(&provenance),
     ];
     let folder = arguments.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let better = model.better(&added, &campaign, &from, folder)?;

@@ -8,7 +8,7 @@ use clap::Args;
 use sealegs_model::Unit;
 use sealegs_sysid::Campaign;
 use sealegs_sysid::campaign::NoiseOrigin;
-use sealegs_sysid::check::{self, Check};
+use sealegs_sysid::check::{self, Check, EffectCheck};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -57,6 +57,14 @@ fn origin(origin: NoiseOrigin) -> &'static str {
         NoiseOrigin::Differences => "estimated from differences of neighbouring samples",
         NoiseOrigin::Quantum => "estimated from the sensor's quantum",
     }
+}
+
+/// The strength at which an effect was tried: `force_n = 30.0 N`.
+fn strength(effect: &EffectCheck) -> String {
+    let said = |(name, value, unit): &(String, f64, String)| {
+        format!("{name} = {} {unit}", figures(*value, 3)).trim_end().to_owned()
+    };
+    effect.at.iter().map(said).collect::<Vec<_>>().join(", ")
 }
 
 fn text(campaign: &Campaign, model: &str, found: &Check) -> String {
@@ -184,7 +192,7 @@ fn text(campaign: &Campaign, model: &str, found: &Check) -> String {
         } else {
             format!("  indistinguishable from {}", e.alike.join(", "))
         };
-        let _ = writeln!(out, "  {:<34} {visible:>24}{judgement}{alike}  ({})", e.id, e.at);
+        let _ = writeln!(out, "  {:<34} {visible:>24}{judgement}{alike}  ({})", e.id, strength(e));
     }
     if !campaign.notes.is_empty() {
         let _ = writeln!(out, "\nRemarks");
@@ -245,7 +253,7 @@ fn to_json(campaign: &Campaign, model: &str, found: &Check) -> serde_json::Value
         })).collect::<Vec<_>>(),
         "correlated": found.correlated,
         "effects": found.effects.iter().map(|e| json!({
-            "id": e.id, "at": e.at, "visible": e.visible, "imitated_share": e.imitated_share,
+            "id": e.id, "at": strength(e), "visible": e.visible, "imitated_share": e.imitated_share,
             "identifiable": e.identifiable(), "alike": e.alike,
         })).collect::<Vec<_>>(),
         "notes": campaign.notes,

@@ -134,11 +134,7 @@ impl LegModel {
             self.push(card.clone(), effect.clone());
             for parameter in &mut self.parameters[before..] {
                 let Some(given) = said.parameters.get(&parameter.name[said.id.len() + 1..]) else { continue };
-                parameter.value = given.value;
-                parameter.prior_std = given.std.filter(|s| *s > 0.0);
-                parameter.min = parameter.min.min(given.value);
-                parameter.max = parameter.max.max(given.value);
-                parameter.typical = (0.1 * given.value.abs()).max(1e-3 * parameter.typical);
+                said.state(*given, parameter);
             }
         }
         Ok(())

@@ -95,6 +95,18 @@ pub struct Scenario {
     pub folder: Option<std::path::PathBuf>,
 }
 
+impl Scenario {
+    /// The same scenario without what a fit knew of its values (`std`): the actuators' tolerances hold again.
+    #[must_use]
+    pub fn without_fitted_std(&self) -> Self {
+        let mut plain = self.clone();
+        let effects = plain.effects.iter_mut().flat_map(|e| e.parameters.values_mut());
+        let parameters = plain.actuator.values_mut().flat_map(|o| o.parameters.values_mut());
+        effects.chain(parameters).for_each(|given| given.std = None);
+        plain
+    }
+}
+
 /// 100 us: peak forces are then converged to better than 1 %.
 fn default_step() -> f64 {
     1e-4

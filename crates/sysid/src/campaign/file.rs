@@ -14,6 +14,8 @@ pub(super) struct Description {
     pub bench: Bench,
     pub actuator: String,
     pub scenario: Option<String>,
+    /// The line that names the actuator, for a leg the scenario.
+    pub model_line: Option<u64>,
     /// For a leg: columns that are commands.
     pub inputs: Vec<String>,
     pub sample_rate_hz: Option<f64>,
@@ -40,7 +42,7 @@ struct RawCampaign {
     name: Option<String>,
     bench: Spanned<String>,
     actuator: Option<Spanned<String>>,
-    scenario: Option<String>,
+    scenario: Option<Spanned<String>>,
     inputs: Option<Spanned<Vec<String>>>,
     sample_rate_hz: Option<Spanned<f64>>,
     input_hold: Option<Spanned<String>>,
@@ -77,7 +79,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
     }
     let line_at = |offset: usize| 1 + text.bytes().take(offset).filter(|&b| b == b'\n').count() as u64;
     let raw: RawCampaign = toml::from_str(text).map_err(|e| {
-        Error::bad(path, e.span().map(|s| line_at(s.start)), None, e.message().replace('\n', " "))
+        let missing = e.message().starts_with("missing field");
+        let meant: String = if missing { misspelt(text) } else { String::new() };
+        let problem = e.message().replace('\n', " ") + &meant;
+        Error::bad(path, e.span().map(|s| line_at(s.start)), None, problem)
     })?;
     let line = |span: std::ops::Range<usize>| line_at(span.start);
 
@@ -184,11 +189,13 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         folder.file_name().map_or_else(|| "campaign".to_owned(), |n| n.to_string_lossy().into_owned())
     };
+    let model = if bench == Bench::Leg { &raw.scenario } else { &raw.actuator };
     Ok(Description {
+        model_line: model.as_ref().map(|m| line(m.span())),
         name: raw.name.unwrap_or_else(folder_name),
         bench,
         actuator: raw.actuator.map(Spanned::into_inner).unwrap_or_default(),
-        scenario: raw.scenario,
+        scenario: raw.scenario.map(Spanned::into_inner),
         inputs: raw.inputs.map(Spanned::into_inner).unwrap_or_default(),
         sample_rate_hz,
         hold,
@@ -200,17 +207,27 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
 
 /// One note for each key that means nothing, with the one that was probably meant.
 fn unknown_keys(path: &Path, text: &str) -> Vec<String> {
+    let note =
+        |(key, meant)| format!("{}: key '{key}' is not known and has no effect{meant}", path.display());
+    unknown_with_hints(text).into_iter().map(note).collect()
+}
+
+/// `; key 'benhc' is not known; did you mean 'bench'?` for each unknown key that comes near a known one.
+fn misspelt(text: &str) -> String {
+    let hinted = unknown_with_hints(text).into_iter().filter(|(_, meant)| !meant.is_empty());
+    hinted.map(|(key, meant)| format!("; key '{key}' is not known{meant}")).collect()
+}
+
+/// Every key that means nothing, with a hint at the one that was probably meant.
+fn unknown_with_hints(text: &str) -> Vec<(String, String)> {
     let Ok(table) = toml::from_str::<toml::Table>(text) else { return Vec::new() };
-    let note = |key: &str, known: &[&str]| {
-        format!("{}: key '{key}' is not known and has no effect{}", path.display(), did_you_mean(key, known))
+    let of = |table: &toml::Table, known: &[&str]| -> Vec<(String, String)> {
+        let unknown = table.keys().filter(|k| !known.contains(&k.as_str()));
+        unknown.map(|k| (k.clone(), did_you_mean(k, known))).collect()
     };
-    let mut notes: Vec<String> =
-        table.keys().filter(|k| !KEYS.contains(&k.as_str())).map(|k| note(k, &KEYS)).collect();
     let runs = table.get("run").and_then(toml::Value::as_array).into_iter().flatten();
-    for run in runs.filter_map(toml::Value::as_table) {
-        notes.extend(run.keys().filter(|k| !RUN_KEYS.contains(&k.as_str())).map(|k| note(k, &RUN_KEYS)));
-    }
-    notes
+    let of_runs = runs.filter_map(toml::Value::as_table).flat_map(|run| of(run, &RUN_KEYS));
+    of(&table, &KEYS).into_iter().chain(of_runs).collect()
 }
 
 /// `unknown role 'hold-out'; did you mean 'holdout'? (known: fit, holdout)`

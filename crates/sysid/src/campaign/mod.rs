@@ -119,6 +119,8 @@ pub struct Campaign {
     pub actuator: String,
     /// For a leg: the scenario's preset or file.
     pub scenario: Option<String>,
+    /// The line of the campaign file that names the actuator or the scenario, if it was read from one.
+    pub model_line: Option<u64>,
     /// Nominal sample rate, Hz, if stated.
     pub sample_rate_hz: Option<f64>,
     /// Noise of every known output column that some run has, stated or estimated.
@@ -224,6 +226,7 @@ impl Campaign {
             bench: description.bench,
             actuator: description.actuator,
             scenario: description.scenario,
+            model_line: description.model_line,
             sample_rate_hz: description.sample_rate_hz,
             noise,
             sensors: Vec::new(),
@@ -231,6 +234,13 @@ impl Campaign {
             repeats,
             notes,
         })
+    }
+
+    /// The error of a campaign file whose actuator or scenario is wrong.
+    #[must_use]
+    pub fn bad_model(&self, problem: impl Into<String>) -> Error {
+        let key = if self.bench == Bench::Leg { "scenario" } else { "actuator" };
+        Error::bad(&self.file, self.model_line, Some(key), problem)
     }
 
     /// The folder of the campaign file, beside which actuator files and scenarios are looked for.

@@ -124,6 +124,8 @@ fn unknown_words_are_refused_with_a_suggestion() {
     );
     assert!(toml_refused(&description("", "")).contains("no [[run]]"));
     assert!(toml_refused("bench = locked").contains("line 1"));
+    let misspelt = toml_refused("bnch = \"locked\"\nactuator = \"a\"\n");
+    assert!(misspelt.contains("missing") && misspelt.contains("did you mean 'bench'"), "{misspelt}");
     assert!(toml_refused(&description("", "[[run]]\nfile = \"r.csv\"\n")).contains("role"));
 }
 

@@ -58,8 +58,8 @@ pub struct ParameterCheck {
 pub struct EffectCheck {
     /// Its id.
     pub id: String,
-    /// The strength that it was tried at, `force_n = 30`.
-    pub at: String,
+    /// The strength that it was tried at: name, value and unit of each parameter.
+    pub at: Vec<(String, f64, String)>,
     /// Size of what it changes that nothing in the base model can imitate, in noise units (root of the sum
     /// of squares over all samples); `None` if it could not be simulated.
     pub visible: Option<f64>,
@@ -245,12 +245,7 @@ fn effects(data: &Data, model: &dyn Model, base: &Fit) -> Vec<EffectCheck> {
             });
             EffectCheck {
                 id: card.id.clone(),
-                at: card
-                    .parameters
-                    .iter()
-                    .map(|p| format!("{} = {:.4e} {}", p.name, p.value, p.unit).trim_end().to_owned())
-                    .collect::<Vec<_>>()
-                    .join(", "),
+                at: card.parameters.iter().map(|p| (p.name.clone(), p.value, p.unit.clone())).collect(),
                 visible: own.map(|k| signatures.norm(k)),
                 imitated_share: imitated,
                 alike,

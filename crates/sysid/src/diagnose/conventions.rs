@@ -2,8 +2,9 @@
 //! and what the fitted values are under the other one.
 
 use super::Candidate;
-use super::search::{EQUAL_COST, Search};
+use super::search::Search;
 use crate::fit;
+use crate::fit::EQUAL_COST;
 
 /// Standard errors by which a value must differ under another choice to be said.
 const DIFFERS: f64 = 3.0;
@@ -92,8 +93,6 @@ impl Search<'_> {
     }
 }
 
-/// The first whose cost is no more than `equal` above the least.
 fn first_of_the_best(all: &[Candidate], equal: f64) -> Option<usize> {
-    let least = all.iter().map(|c| c.fit.cost).fold(f64::INFINITY, f64::min);
-    all.iter().position(|c| c.fit.cost <= least + equal)
+    fit::first_of_the_best(&all.iter().map(|c| c.fit.cost).collect::<Vec<_>>(), equal)
 }

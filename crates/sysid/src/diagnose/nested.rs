@@ -4,7 +4,8 @@
 use super::Candidate;
 use super::candidate::symbol;
 use super::decide::TIED_COST;
-use super::search::{EQUAL_COST, Search};
+use super::search::Search;
+use crate::fit::EQUAL_COST;
 use crate::fit::Signatures;
 use sealegs_model::{EffectCard, Scale, SimplerLaw};
 

@@ -3,7 +3,8 @@
 
 use super::candidate::{Candidate, Effort};
 use super::finish::{following, moved};
-use super::search::{EQUAL_COST, Search};
+use super::search::Search;
+use crate::fit::EQUAL_COST;
 use rayon::prelude::*;
 use sealegs_model::Scale;
 

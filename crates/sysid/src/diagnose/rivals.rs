@@ -8,8 +8,9 @@ use super::Candidate;
 use super::candidate::{symbol, values_by_name};
 use super::compare::clearly_better;
 use super::screen::is_amplitude;
-use super::search::{EQUAL_COST, Search, all_but};
+use super::search::{Search, all_but};
 use super::with_effects;
+use crate::fit::EQUAL_COST;
 use rayon::prelude::*;
 use sealegs_model::Parameter;
 

@@ -8,7 +8,7 @@ use super::left::{FAR_ABOVE, NEAR_FLOOR};
 use super::screen::{Promise, Starts, addable, race_periodic, screen};
 use super::{Candidate, OpenChoice, Options, Progress, Validation, profile};
 use crate::data::Data;
-use crate::fit::Difference;
+use crate::fit::{Difference, EQUAL_COST};
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model};
 
@@ -64,9 +64,6 @@ pub(super) const PAIR: usize = 2;
 
 /// Most steps of a fit that goes on.
 pub(super) const FINAL_STEPS: usize = 20;
-
-/// Costs that differ by less are equal: a likelihood ratio of e^10 is decisive.
-pub(super) const EQUAL_COST: f64 = 10.0;
 
 /// How much more of what is unexplained a fit may leave after a race and still be fitted to the end.
 const REACH: f64 = 8.0;
@@ -313,7 +310,9 @@ impl Search<'_> {
             let new = self.shortlist(from_nominal, FROM_NOMINAL);
             sets.extend(new.into_iter().filter(|set| !sets.contains(set)).collect::<Vec<_>>());
         }
-        (self.progress)(Progress::Fitting { sets: sets.clone() });
+        if !sets.is_empty() {
+            (self.progress)(Progress::Fitting { sets: sets.clone() });
+        }
         let (data, base, seen, options) = (self.data, self.base, self.seen, self.options);
         let race = |from: Parent| {
             // The way from nominal values is longer than from a fit, and what rests nearer would win a race over few steps.

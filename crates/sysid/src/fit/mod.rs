@@ -235,7 +235,8 @@ impl Fit {
 }
 
 /// Fits a model's free parameters to the data. Without a given start every discrete choice that the model
-/// leaves (a fixed parameter with `starts`) is tried, and the one of lowest cost is kept.
+/// leaves (a fixed parameter with `starts`) is tried, and the one of lowest cost is kept, of [equals](EQUAL_COST) the
+/// first.
 ///
 /// # Errors
 ///
@@ -244,15 +245,25 @@ pub fn fit(data: &Data, model: &dyn Model, options: &FitOptions) -> Result<Fit, 
     if options.start.is_some() {
         return fit_from(data, model, options);
     }
-    let mut best: Option<Fit> = None;
+    let mut all = Vec::new();
     for start in choices(model) {
-        let fitted = fit_from(data, model, &FitOptions { start: Some(start), ..options.clone() })?;
-        // The first of equals: the order of the choices decides and nothing else.
-        if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
-            best = Some(fitted);
-        }
+        all.push(fit_from(data, model, &FitOptions { start: Some(start), ..options.clone() })?);
     }
-    best.map_or_else(|| fit_from(data, model, options), Ok)
+    let costs: Vec<f64> = all.iter().map(|f| f.cost).collect();
+    match first_of_the_best(&costs, EQUAL_COST) {
+        Some(first) => Ok(all.swap_remove(first)),
+        None => fit_from(data, model, options),
+    }
+}
+
+/// Costs that differ by less are equal: a likelihood ratio of e^10 is decisive.
+pub const EQUAL_COST: f64 = 10.0;
+
+/// The first whose cost is above the least by no more than `equal`; `None` of none.
+#[must_use]
+pub fn first_of_the_best(costs: &[f64], equal: f64) -> Option<usize> {
+    let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    costs.iter().position(|cost| *cost <= least + equal)
 }
 
 /// The nominal values with every combination of the model's discrete choices.
