@@ -173,6 +173,7 @@ fn pictures(report: &mut Report) {
             .collect(),
         value_label: "RMS of the residual in noise units".into(),
         decimals: 1,
+        shades: None,
     };
     report.figure(&map, "Empty cells hold no samples.");
     let heights: Vec<f64> =

@@ -1,5 +1,6 @@
 //! Where a model fails on a campaign: what `sealegs compare` computes, apart from how it is shown.
 
+pub(crate) mod overlay;
 pub(crate) mod page;
 mod record;
 mod summary;

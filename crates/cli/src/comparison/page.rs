@@ -1,17 +1,20 @@
 //! A comparison as one self-contained page.
 
-use super::{Compared, Part};
+use super::Compared;
+use super::overlay::{self, Look, worst_run};
 use crate::diagnosis::outcome::parameters;
 use crate::diagnosis::provenance::Provenance;
-use crate::diagnosis::text::figures;
-use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue, Marker};
+use crate::diagnosis::text::{digits_for, figures};
+use sealegs_recorder::chart::{Axis, Bar, BarChart, Dash, Hue};
 use sealegs_recorder::report::{self, Report, Table, Tone};
 use sealegs_sysid::frequency::ChannelResponse;
 use sealegs_sysid::locate::Region;
 use sealegs_sysid::residual;
 
-/// Runs of which the motion is drawn: of each role the one with the greatest error.
-const DRAWN: usize = 1;
+/// How the two states of the model are drawn, and the one that is shown.
+const AS_GIVEN: Look = ("as given", Hue::Vermillion, Dash::Dashed);
+const REFITTED: Look = ("refitted", Hue::Blue, Dash::Solid);
+const MODEL: Look = ("model", Hue::Blue, Dash::Solid);
 
 /// The page.
 #[must_use]
@@ -119,47 +122,10 @@ pub(crate) fn depends(page: &mut Report, compared: &Compared) {
 fn motion(page: &mut Report, compared: &Compared) {
     page.section("Measured and predicted");
     for part in &compared.parts {
-        let mut runs: Vec<usize> = (0..part.data.runs.len()).collect();
-        let size = |run: usize| -> f64 {
-            let blocks = part.shown().blocks.iter().filter(|b| b.run == run);
-            blocks.flat_map(|b| &b.residual).fold((0.0, 0.0f64), |(s, n), r| (s + r * r, n + 1.0)).0
-        };
-        runs.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
-        for &run in runs.iter().take(DRAWN) {
-            for slot in 0..part.data.runs[run].names.len() {
-                channel(page, part, run, slot);
-            }
-        }
+        let mut models = vec![(AS_GIVEN, &part.before)];
+        models.extend(part.after.as_ref().map(|after| (REFITTED, after)));
+        overlay::in_time(page, part, worst_run(part, part.shown()), &models);
     }
-}
-
-fn channel(page: &mut Report, part: &Part, run: usize, slot: usize) {
-    let r = &part.data.runs[run];
-    let (name, unit) = (&r.names[slot], super::text::unit(&r.names[slot]));
-    let time = &r.record.time_s;
-    let group = format!("{}-{run}", r.role.as_str());
-    let points =
-        |values: &dyn Fn(usize) -> f64| time.iter().enumerate().map(|(i, &t)| (t, values(i))).collect();
-    let mut chart = Chart::new(
-        &format!("{name} in {} ({})", r.record.name, r.role.as_str()),
-        Axis::new("time", "s"),
-        Axis::new(name, unit),
-    )
-    .line("measured", Hue::Ink, Dash::Solid, points(&|i| r.measured[slot][i]));
-    let mut below = Chart::new("residual", Axis::new("time", "s"), Axis::new("measured - predicted", unit));
-    for (label, hue, dash, at) in [
-        ("as given", Hue::Vermillion, Dash::Dashed, Some(&part.before)),
-        ("refitted", Hue::Blue, Dash::DashDot, part.after.as_ref()),
-    ] {
-        let Some(at) = at else { continue };
-        let sensor = &at.sensors[r.channels[slot]];
-        let Some(p) = at.predictions[run].output(name) else { continue };
-        let shown = |i: usize| sensor.gain * p[i] + sensor.bias_of(run);
-        chart = chart.line(label, hue, dash, points(&shown));
-        below = below.line(label, hue, dash, points(&|i| r.measured[slot][i] - shown(i)));
-    }
-    let (chart, below) = (chart.zoomable(&group), below.zoomable(&group).tall(180.0));
-    page.figure_of(&[&chart, &below], &format!("{name}, measured against the model, and the residual."));
 }
 
 fn responses(page: &mut Report, responses: &[ChannelResponse]) {
@@ -168,50 +134,7 @@ fn responses(page: &mut Report, responses: &[ChannelResponse]) {
     }
     page.section("Frequency responses");
     for r in responses {
-        let (m, p) = (&r.measured, &r.predicted);
-        let coherent: Vec<usize> =
-            (0..m.frequency_hz.len()).filter(|&i| m.frequency_hz[i] > 0.0 && m.coherence[i] > 0.5).collect();
-        if coherent.len() < 3 {
-            continue;
-        }
-        let at =
-            |values: &[f64]| coherent.iter().map(|&i| (m.frequency_hz[i], values[i])).collect::<Vec<_>>();
-        let bounds = m.bounds_db(2.0);
-        let hz = || Axis::new("frequency", "Hz").log();
-        let magnitude =
-            Chart::new(&format!("{} per {}", r.channel, r.input), hz(), Axis::new("magnitude", "dB"))
-                .band(
-                    "95 % confidence",
-                    Hue::Grey,
-                    coherent.iter().map(|&i| (m.frequency_hz[i], bounds[i].0, bounds[i].1)).collect(),
-                )
-                .scatter("measured", Hue::Ink, Marker::Dot, at(&m.magnitude_db()))
-                .line("model", Hue::Blue, Dash::Solid, at(&p.magnitude_db()));
-        let degrees = |f: &[f64]| f.iter().map(|v| v.to_degrees()).collect::<Vec<_>>();
-        let phase = Chart::new("", hz(), Axis::new("phase", "degrees"))
-            .scatter("measured", Hue::Ink, Marker::Dot, at(&degrees(&m.phase_rad())))
-            .line("model", Hue::Blue, Dash::Solid, at(&degrees(&p.phase_rad())))
-            .tall(220.0);
-        let coherence = Chart::new("", hz(), Axis::new("coherence", "").range(0.0, 1.05))
-            .line(
-                "",
-                Hue::Ink,
-                Dash::Solid,
-                m.frequency_hz
-                    .iter()
-                    .copied()
-                    .zip(m.coherence.iter().copied())
-                    .filter(|x| x.0 > 0.0)
-                    .collect(),
-            )
-            .tall(150.0);
-        page.figure_of(
-            &[&magnitude, &phase, &coherence],
-            &format!(
-                "{}: H1 estimates over all runs, both sides alike; lines with a coherence above 0.5.",
-                r.channel
-            ),
-        );
+        overlay::in_frequency(page, r, &[(MODEL, &r.predicted)]);
     }
 }
 
@@ -228,7 +151,7 @@ fn values(page: &mut Report, compared: &Compared) {
     for (p, v) in fit.parameters.iter().zip(parameters(fit)).filter(|(p, _)| !p.fixed) {
         table.row([
             p.name.clone(),
-            figures(v.value, 6),
+            figures(v.value, digits_for(v.value, p.std)),
             figures(p.std, 2),
             p.unit.clone(),
             figures(p.nominal, 6),

@@ -1,8 +1,8 @@
 //! The picture of friction against speed: measured, before and after by the same estimate.
 
-use super::figures::shown;
 use super::story::Story;
 use crate::comparison::Part;
+use crate::comparison::overlay::shown;
 use crate::comparison::text::unit;
 use sealegs_model::InputHold;
 use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};

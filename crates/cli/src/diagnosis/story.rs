@@ -2,7 +2,7 @@
 
 use super::outcome::Outcome;
 use crate::comparison::{Compared, Part};
-use sealegs_model::{InputHold, Record, Signal};
+use sealegs_model::{InputHold, Record, Signal, internal};
 use sealegs_sysid::diagnose::{Candidate, Diagnosis, Experiment};
 use sealegs_sysid::frequency::{self, ChannelResponse};
 use sealegs_sysid::locate::locate;
@@ -27,16 +27,26 @@ pub struct Story<'a> {
 
 /// What both models make of one slow cycle of the command, as no rig plays it: the effects' law itself.
 pub struct Cycle {
-    /// The input channel.
-    pub input: String,
+    /// What the output is drawn over: the command where both ends are held, else the spring's deflection, for the
+    /// command then moves the output's own load as well.
+    pub across: Across,
     /// The output channel.
     pub output: String,
-    /// Command against output of the base model.
+    /// Points of the base model.
     pub before: Vec<(f64, f64)>,
     /// The same of the model with effects.
     pub after: Vec<(f64, f64)>,
     /// How long the cycle takes, s.
     pub seconds: f64,
+}
+
+/// The quantity to the right of a cycle's picture.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Across {
+    /// The command, by its channel.
+    Command(String),
+    /// The spring's deflection, in m or rad.
+    Deflection,
 }
 
 /// Duration of the cycle, s, and its samples; a quarter more leads into it.
@@ -71,14 +81,18 @@ impl Cycle {
             inputs: vec![Signal { channel: signal.channel.clone(), values: values.clone() }],
             outputs: Vec::new(),
         };
-        let play = |c: &Candidate| -> Option<Vec<(f64, f64)>> {
+        let play = |c: &Candidate| -> Option<(Across, Vec<(f64, f64)>)> {
             let channels = [output.clone()];
             let prediction = c.model.predict(&c.fit.values, &record, &channels).ok()?;
             let shown = prediction.output(&output)?;
-            Some(values.iter().copied().zip(shown.iter().copied()).skip(lead).collect())
+            let (across, x) = match prediction.internal(internal::JOINT_ANGLE) {
+                Some(_) => (Across::Deflection, prediction.internal(internal::SPRING_DEFLECTION)?),
+                None => (Across::Command(signal.channel.clone()), values.as_slice()),
+            };
+            Some((across, x.iter().copied().zip(shown.iter().copied()).skip(lead).collect()))
         };
-        let (before, after) = (play(before)?, play(after)?);
-        Some(Self { input: signal.channel.clone(), output, before, after, seconds: CYCLE_S })
+        let ((across, before), (_, after)) = (play(before)?, play(after)?);
+        Some(Self { across, output, before, after, seconds: CYCLE_S })
     }
 }
 

@@ -113,7 +113,7 @@ pub fn parameter_lines(parameters: &[ParameterValue]) -> String {
 }
 
 /// So many digits of a value that its uncertainty shows in the last two.
-pub(super) fn digits_for(value: f64, std: f64) -> usize {
+pub(crate) fn digits_for(value: f64, std: f64) -> usize {
     if value == 0.0 || std <= 0.0 {
         return 4;
     }

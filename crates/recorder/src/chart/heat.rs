@@ -26,6 +26,8 @@ pub struct HeatMap {
     pub value_label: String,
     /// Decimals of the numbers.
     pub decimals: usize,
+    /// Values at the lightest and the darkest shade, so that maps compare; else the least and the greatest value.
+    pub shades: Option<(f64, f64)>,
 }
 
 impl Picture for HeatMap {
@@ -40,8 +42,8 @@ impl Picture for HeatMap {
         let (top, cell_height) = (self.head(size), 30.0);
         let cell_width = (right - left) / self.columns.len().max(1) as f64;
         let finite = || self.values.iter().copied().filter(|v| v.is_finite());
-        let (low, high) =
-            (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+        let own = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+        let (low, high) = self.shades.unwrap_or(own);
 
         let mut svg = open(size.width, height, &self.title, "");
         let mut y = 6.0;
@@ -59,7 +61,7 @@ impl Picture for HeatMap {
                 if !value.is_finite() {
                     continue;
                 }
-                let share = if high > low { (value - low) / (high - low) } else { 0.0 };
+                let share = if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
                 svg.push_str(&format!(
                     "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" style=\"fill:color-mix(in srgb,var(--m1) {}%,var(--m0))\"/>",
                     px(x + 1.0), px(y + 1.0), px(cell_width - 2.0), px(cell_height - 2.0), (75.0 * share).round()
