@@ -44,10 +44,7 @@ pub fn of(compared: &Compared, command: &str, provenance: &Provenance) -> String
     responses(&mut page, &compared.responses);
     values(&mut page, compared);
     errors(&mut page, compared);
-    if !compared.campaign.notes.is_empty() {
-        page.section("Remarks on the files");
-        page.list(&compared.campaign.notes);
-    }
+    remarks(&mut page, &compared.campaign.notes);
     page.provenance(&report::Provenance {
         command: command.to_owned(),
         versions: vec![("sealegs".to_owned(), provenance.version.to_owned())],
@@ -56,6 +53,24 @@ pub fn of(compared: &Compared, command: &str, provenance: &Provenance) -> String
         notes: vec![("Model".to_owned(), provenance.model.clone())],
     });
     page.to_html()
+}
+
+/// Remarks that fit on a page are shown; more of them, as a logger with a bad clock has in each run, open on demand.
+const REMARKS_SHOWN: usize = 8;
+
+/// What a person should know of the files.
+pub(crate) fn remarks(page: &mut Report, notes: &[String]) {
+    if notes.is_empty() {
+        return;
+    }
+    page.section("Remarks on the files");
+    if notes.len() <= REMARKS_SHOWN {
+        page.list(notes);
+    } else {
+        page.details(&format!("All {} remarks", notes.len()), |page| {
+            page.list(notes);
+        });
+    }
 }
 
 pub(crate) fn place(page: &mut Report, compared: &Compared) {

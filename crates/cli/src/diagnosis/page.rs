@@ -4,7 +4,7 @@ use super::outcome::{Outcome, percent};
 use super::story::Story;
 use super::text::{another_name, digits_for, evidence, figures as number, other_conventions};
 use super::{figures, friction};
-use crate::comparison::page::{depends, place};
+use crate::comparison::page::{depends, place, remarks};
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue};
 use sealegs_recorder::report::{self, Report, Table, Tone};
 use sealegs_sysid::diagnose::Play;
@@ -35,10 +35,7 @@ pub fn of(story: &Story) -> String {
         ambiguity(&mut page, outcome);
     }
     next(&mut page, story);
-    if !outcome.notes.is_empty() {
-        page.section("Remarks on the files");
-        page.list(&outcome.notes);
-    }
+    remarks(&mut page, &outcome.notes);
     let inputs = outcome.provenance.inputs.iter();
     page.provenance(&report::Provenance {
         command: story.command.clone(),
