@@ -1,6 +1,6 @@
 //! The model of a campaign that was recorded on a bench: its actuator, or another actuator file, on that bench.
 
-use crate::campaign_model::{CampaignModel, notes_of, was_fitted_here};
+use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::plan;
 use crate::failure::{OrBadInput, bad_input};
@@ -100,7 +100,7 @@ impl CampaignModel for BenchModel {
             said.bias = Some(sensor.bias);
             said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
         }
-        spec.provenance.extend(notes_of(added, campaign, provenance));
+        note_down(&mut spec.provenance, notes_of(added, campaign, provenance));
         // Whoever gets the file must be able to load it.
         let text = spec.to_toml();
         ActuatorSpec::from_toml(&text, "the model file to be written")?;

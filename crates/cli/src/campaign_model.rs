@@ -107,6 +107,18 @@ pub(crate) fn inputs_of(provenance: &Provenance) -> (&'static str, String) {
     (INPUTS, hashes.collect::<Vec<_>>().join("; "))
 }
 
+/// Puts notes into a model file's provenance. What it was fitted to before stays beside what it was fitted to now.
+pub(crate) fn note_down(provenance: &mut BTreeMap<String, String>, notes: Vec<(String, String)>) {
+    for (key, note) in notes {
+        let note = match provenance.get(&key).filter(|_| key == INPUTS) {
+            Some(earlier) if earlier.contains(&note) => earlier.clone(),
+            Some(earlier) => format!("{earlier}; {note}"),
+            None => note,
+        };
+        provenance.insert(key, note);
+    }
+}
+
 /// The key of [`inputs_of`] in a model file's provenance.
 const INPUTS: &str = "inputs";
 
@@ -128,4 +140,22 @@ pub(crate) fn notes_of(
     }
     notes.extend(provenance.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_model_was_fitted_to_first_is_not_forgotten() {
+        let mut provenance = BTreeMap::new();
+        let notes = |inputs: &str| {
+            vec![("version".to_owned(), "1".to_owned()), (INPUTS.to_owned(), inputs.to_owned())]
+        };
+        for inputs in ["a.csv sha256:1", "b.csv sha256:2", "b.csv sha256:2"] {
+            note_down(&mut provenance, notes(inputs));
+        }
+        assert_eq!(provenance[INPUTS], "a.csv sha256:1; b.csv sha256:2");
+        assert_eq!(provenance["version"], "1");
+    }
 }

@@ -1,6 +1,6 @@
 //! The model of a campaign that was recorded on a leg: its scenario, or another scenario file, and its runs' own.
 
-use crate::campaign_model::{CampaignModel, notes_of, was_fitted_here};
+use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::plan;
 use crate::failure::{OrBadInput, bad_input};
@@ -108,7 +108,7 @@ impl CampaignModel for LegModel {
             said.bias = Some(sensor.bias);
             said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
         }
-        scenario.provenance.extend(notes_of(added, campaign, provenance));
+        note_down(&mut scenario.provenance, notes_of(added, campaign, provenance));
         scenario.move_to(folder)?;
         // Whoever gets the file must be able to load it.
         let text = toml::to_string_pretty(&scenario)?;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sealegs_model::Scale;
+use sealegs_model::{Parameter, Scale};
 
 use super::*;
 
@@ -235,4 +235,28 @@ fn every_line_of_a_preset_may_be_spoilt_without_a_panic() {
             }
         }
     }
+}
+
+#[test]
+fn a_stated_value_has_room_on_both_sides_unless_the_bound_is_the_laws_own() {
+    let effect = |text: &str| -> EffectSpec { toml::from_str(text).unwrap() };
+    let given = EffectValue { value: 30.0, std: Some(0.5) };
+    // Guessed for an excitation of 1 N, as nothing is known of the runs.
+    let guessed = Parameter { starts: vec![0.5], ..Parameter::new("force_n", "N", 0.03, 0.0, 2.0) };
+    let mut friction = guessed.clone();
+    effect("id = \"coulomb-friction\"").state(given, &mut friction);
+    assert_eq!(
+        (friction.value, friction.prior_std, friction.min, friction.max),
+        (30.0, Some(0.5), 0.0, 300.0)
+    );
+    assert!(friction.starts.is_empty());
+    // A ratio's bound is the law's.
+    let mut asymmetry = Parameter::new("asymmetry", "", 0.2, -1.0, 1.0);
+    effect("id = \"direction-dependent-friction\"")
+        .state(EffectValue { value: 0.9, std: None }, &mut asymmetry);
+    assert_eq!((asymmetry.min, asymmetry.max, asymmetry.prior_std), (-1.0, 1.0, None));
+    // A user's own bound was stated.
+    let mut own = guessed;
+    effect("id = \"mine\"\n[definition]\nlaw = \"a\"").state(EffectValue { value: 1.5, std: None }, &mut own);
+    assert_eq!((own.min, own.max), (0.0, 2.0));
 }
