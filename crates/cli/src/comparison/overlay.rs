@@ -11,6 +11,9 @@ use sealegs_sysid::frf::FrequencyResponse;
 /// Least coherence at which a line of a frequency response is drawn.
 const COHERENT: f64 = 0.5;
 
+/// Fewest such lines that make a picture.
+const FEWEST_LINES: usize = 3;
+
 /// How far beyond the last such line the coherence is drawn, as a ratio.
 const BEYOND: f64 = 2.0;
 
@@ -66,16 +69,27 @@ pub(crate) fn in_time(page: &mut Report, part: &Part, run: usize, models: &[(Loo
     }
 }
 
-/// A channel's frequency response, where it is coherent, against those of the models; returns whether it is anywhere.
+/// Lines of a frequency response at which it is coherent.
+fn coherent(measured: &FrequencyResponse) -> Vec<usize> {
+    let (hz, coherence) = (&measured.frequency_hz, &measured.coherence);
+    (0..hz.len()).filter(|&i| hz[i] > 0.0 && coherence[i] > COHERENT).collect()
+}
+
+/// Whether a frequency response is coherent at enough lines to be drawn.
+pub(crate) fn is_drawn(response: &ChannelResponse) -> bool {
+    coherent(&response.measured).len() >= FEWEST_LINES
+}
+
+/// A channel's frequency response, where it is coherent, against those of the models.
 pub(crate) fn in_frequency(
     page: &mut Report,
     response: &ChannelResponse,
     models: &[(Look, &FrequencyResponse)],
-) -> bool {
+) {
     let m = &response.measured;
     let hz = &m.frequency_hz;
-    let coherent: Vec<usize> = (0..hz.len()).filter(|&i| hz[i] > 0.0 && m.coherence[i] > COHERENT).collect();
-    let (&[first, .., last], true) = (coherent.as_slice(), coherent.len() >= 3) else { return false };
+    let coherent = coherent(m);
+    let &[first, .., last] = coherent.as_slice() else { return };
     let all: Vec<usize> =
         (0..hz.len()).filter(|&i| hz[i] >= hz[first] && hz[i] <= BEYOND * hz[last]).collect();
     let at = |lines: &[usize], v: &[f64]| lines.iter().map(|&i| (hz[i], v[i])).collect::<Vec<_>>();
@@ -108,5 +122,4 @@ pub(crate) fn in_frequency(
         response.channel
     );
     page.figure_of(&[&magnitude, &phase, &coherence], &caption);
-    true
 }

@@ -144,11 +144,12 @@ fn motion(page: &mut Report, compared: &Compared) {
 }
 
 fn responses(page: &mut Report, responses: &[ChannelResponse]) {
-    if responses.is_empty() {
+    let drawn: Vec<_> = responses.iter().filter(|r| overlay::is_drawn(r)).collect();
+    if drawn.is_empty() {
         return;
     }
     page.section("Frequency responses");
-    for r in responses {
+    for r in drawn {
         overlay::in_frequency(page, r, &[(MODEL, &r.predicted)]);
     }
 }

@@ -25,11 +25,12 @@ pub fn motion(page: &mut Report, story: &Story) {
 
 /// Frequency responses, measured, before and after.
 pub fn responses(page: &mut Report, story: &Story) {
-    if story.compared.responses.is_empty() {
+    let drawn: Vec<_> = story.compared.responses.iter().filter(|r| overlay::is_drawn(r)).collect();
+    if drawn.is_empty() {
         return;
     }
     page.section("Measured, before and after in frequency");
-    for r in &story.compared.responses {
+    for r in drawn {
         let after = story.after_responses.iter().find(|a| a.channel == r.channel);
         let mut models = vec![(BEFORE, &r.predicted)];
         models.extend(after.map(|a| (AFTER, &a.predicted)));
