@@ -1,5 +1,6 @@
 //! Every effect at every place of the legs: ids, cards, neutral values, energy; and the leg as a model.
 
+use sealegs_actuator::spec::{EffectSpec, EffectValue};
 use sealegs_leg::effect::{CATALOGUE, NOT_ON_A_LEG};
 use sealegs_leg::model::LegModel;
 use sealegs_leg::robot::Robot;
@@ -160,6 +161,35 @@ fn a_prediction_is_the_run_itself() {
     let without = Scenario { effects: Vec::new(), ..scenario.clone() };
     let (plain, _) = channels(&without, robot()).expect("runs");
     assert!(plain.get("knee.force_1_n") != run.get("knee.force_1_n"));
+}
+
+/// THOR's leg whose knee has an actuator file with this effect.
+fn with_knee_effect(id: &str, parameters: &[(&str, f64)]) -> Robot {
+    let mut robot = Robot::load("thor-leg", None).expect("embedded");
+    let knee = robot.actuators.iter_mut().find(|a| a.name == "knee").expect("a knee");
+    let value = |v: f64| EffectValue { value: v, std: None };
+    let parameters = parameters.iter().map(|(name, v)| ((*name).to_owned(), value(*v))).collect();
+    let effect = EffectSpec { id: id.to_owned(), parameters, definition: None };
+    knee.spec.as_mut().expect("its file").effects.push(effect);
+    robot
+}
+
+#[test]
+fn an_actuator_files_effects_come_with_it() {
+    let named = scenario("[[effect]]\nid = \"knee/coulomb-friction\"\nparameters = { force_n = 80.0 }\n");
+    let (wanted, _) = channels(&named, Robot::load("thor-leg", None).expect("embedded")).expect("runs");
+    let knee = || wanted.get("knee.force_1_n").expect("a channel");
+    let (brought, _) =
+        channels(&scenario(""), with_knee_effect("coulomb-friction", &[("force_n", 80.0)])).expect("runs");
+    assert_eq!(brought.get("knee.force_1_n"), Some(knee()));
+    // What the scenario says of the same effect goes before.
+    let (both, _) =
+        channels(&named, with_knee_effect("coulomb-friction", &[("force_n", 10.0)])).expect("runs");
+    assert_eq!(both.get("knee.force_1_n"), Some(knee()));
+    // An effect that belongs to a bench's load is refused, not dropped.
+    let refused = channels(&scenario(""), with_knee_effect("output-friction", &[("torque_nm", 1.0)]));
+    let message = refused.err().expect("an error").to_string();
+    assert!(message.contains("knee") && message.contains("output-friction"), "{message}");
 }
 
 #[test]

@@ -17,7 +17,9 @@ mod placed;
 mod spring_setting;
 
 pub use at_actuator::NOT_ON_A_LEG;
-pub(crate) use placed::{EffectRef, Placed, at_place, candidates, of_scenario, own_effects};
+pub(crate) use placed::{
+    EffectRef, Placed, at_place, candidates, of_scenario, own_effects, with_effects_of_actuators,
+};
 
 use crate::dynamics::stop::JointStopChange;
 use crate::robot::Robot;

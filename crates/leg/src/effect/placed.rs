@@ -1,13 +1,15 @@
 //! An effect at its place: which there are, what a scenario's file names, and putting them in.
 
-use super::at_actuator::{self, card, ids_at, setting};
+use super::at_actuator::{self, NOT_ON_A_LEG, card, ids_at, setting};
 use super::{Build, CATALOGUE, LegEffect, LegSetting};
 use crate::LegError;
 use crate::error::nearest;
+use crate::robot::Robot;
 use crate::scenario::Scenario;
 use sealegs_actuator::Coefficients;
 use sealegs_actuator::effect::{self, Effect, OwnEffect};
 use sealegs_actuator::plant::Plant;
+use sealegs_actuator::spec::EffectSpec;
 use sealegs_model::{EffectCard, Excitation};
 use std::sync::Arc;
 
@@ -102,6 +104,28 @@ pub(crate) fn at_place(effects: &[Placed], place: &str, actuator: Option<(&Coeff
         }
     }
     plant
+}
+
+/// The scenario with the effects of the actuators' own files beside those that it names itself, which go before.
+///
+/// # Errors
+///
+/// [`LegError::Scenario`] for an effect of a bench that no leg can have.
+pub(crate) fn with_effects_of_actuators(scenario: &Scenario, robot: &Robot) -> Result<Scenario, LegError> {
+    let mut all = scenario.clone();
+    for placement in &robot.actuators {
+        for effect in placement.spec.iter().flat_map(|spec| &spec.effects) {
+            if let Some((id, reason)) = NOT_ON_A_LEG.iter().find(|(id, _)| *id == effect.id) {
+                let problem = format!("its actuator's file has the effect '{id}': {reason}");
+                return Err(LegError::scenario(&scenario.name, &placement.name, problem));
+            }
+            let id = format!("{}/{}", placement.name, effect.id);
+            if all.effects.iter().all(|named| named.id != id) {
+                all.effects.push(EffectSpec { id, ..effect.clone() });
+            }
+        }
+    }
+    Ok(all)
 }
 
 /// The effects that a scenario's file names.

@@ -71,7 +71,7 @@ pub struct LegModel {
 }
 
 impl LegModel {
-    /// The leg of a scenario, with the effects that it names.
+    /// The leg of a scenario, with the effects that it names and those of its actuators' files.
     ///
     /// `runs` are scenarios of single records, by the records' names. `nominal` is the scenario against whose
     /// nominal values the parameters of `scenario` are ratios; it differs from `scenario` where that is a model
@@ -86,8 +86,9 @@ impl LegModel {
         runs: Vec<(String, Scenario)>,
         own: Vec<Arc<dyn Effect>>,
     ) -> Result<Self, LegError> {
-        let own: Vec<Arc<dyn Effect>> = effect::own_effects(&scenario)?.into_iter().chain(own).collect();
         let first = load_robot(&scenario)?;
+        let scenario = effect::with_effects_of_actuators(&scenario, &first)?;
+        let own: Vec<Arc<dyn Effect>> = effect::own_effects(&scenario)?.into_iter().chain(own).collect();
         let parameters = parameters::of(&scenario, &first)?;
         let reference = parameters::nominal(&parameters, nominal, &load_robot(nominal)?)?;
         let mut cases = vec![Case::new(None, scenario, first, &parameters)?];

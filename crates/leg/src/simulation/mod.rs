@@ -76,15 +76,17 @@ impl Simulation {
         Self::with_robot(scenario, load_robot(scenario)?)
     }
 
-    /// Starts a robot that was loaded or made elsewhere in the scenario; its `robot` key is not looked at.
+    /// Starts a robot that was loaded or made elsewhere in the scenario; its `robot` key is not looked at. Effects are
+    /// those that the scenario names and those of the actuators' files.
     ///
     /// # Errors
     ///
     /// As [`Simulation::new`].
     pub fn with_robot(scenario: &Scenario, robot: Robot) -> Result<Self, LegError> {
         let seen = Excitation::default();
-        let effects = effect::of_scenario(&LegSetting { scenario, robot: &robot, seen: &seen })?;
-        Self::with_effects(scenario, robot, &effects)
+        let scenario = effect::with_effects_of_actuators(scenario, &robot)?;
+        let effects = effect::of_scenario(&LegSetting { scenario: &scenario, robot: &robot, seen: &seen })?;
+        Self::with_effects(&scenario, robot, &effects)
     }
 
     /// As [`Simulation::with_robot`], with these effects in place of those that the scenario names.
