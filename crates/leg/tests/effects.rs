@@ -188,7 +188,7 @@ fn an_actuator_files_effects_come_with_it() {
     assert_eq!(both.get("knee.force_1_n"), Some(knee()));
     // An effect that belongs to a bench's load is refused, not dropped.
     let refused = channels(&scenario(""), with_knee_effect("output-friction", &[("torque_nm", 1.0)]));
-    let message = refused.err().expect("an error").to_string();
+    let message = refused.expect_err("refused").to_string();
     assert!(message.contains("knee") && message.contains("output-friction"), "{message}");
 }
 
