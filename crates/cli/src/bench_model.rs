@@ -36,8 +36,7 @@ pub fn of_campaign(
             .map_err(|e| campaign.bad_model(e.to_string()))
             .or_bad_input()?,
     };
-    let source = model.map_or_else(|| campaign.folder().join(&campaign.actuator), Path::to_owned);
-    let spec = match was_fitted_here(&spec.provenance, &source, campaign)? {
+    let spec = match was_fitted_here(&spec.provenance, model, campaign)? {
         true => spec.without_fitted_std(),
         false => spec,
     };

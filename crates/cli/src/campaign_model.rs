@@ -84,7 +84,7 @@ pub fn with_own_effects(
 /// and every interval would come out too narrow. A remark in the campaign says that it is not.
 pub(crate) fn was_fitted_here(
     provenance: &BTreeMap<String, String>,
-    file: &Path,
+    model: Option<&Path>,
     campaign: &mut Campaign,
 ) -> anyhow::Result<bool> {
     let Some(inputs) = provenance.get(INPUTS) else { return Ok(false) };
@@ -92,6 +92,8 @@ pub(crate) fn was_fitted_here(
     let runs = Provenance::new(String::new(), runs)?;
     let own = runs.inputs.iter().any(|run| inputs.contains(&run.sha256));
     if own {
+        let stated = campaign.scenario.as_ref().unwrap_or(&campaign.actuator);
+        let file = model.map_or_else(|| campaign.folder().join(stated), Path::to_owned);
         campaign.notes.push(format!(
             "{}: was fitted to runs of this campaign; its standard errors do not count as known beforehand",
             file.display()

@@ -34,8 +34,7 @@ pub fn of_campaign(
         Some(path) => Scenario::load(&path.to_string_lossy(), &[]).or_bad_input()?,
         None => nominal.clone(),
     };
-    let source = model.map_or_else(|| campaign.file.clone(), Path::to_owned);
-    let scenario = match was_fitted_here(&scenario.provenance, &source, campaign)? {
+    let scenario = match was_fitted_here(&scenario.provenance, model, campaign)? {
         true => scenario.without_fitted_std(),
         false => scenario,
     };

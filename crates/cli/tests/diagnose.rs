@@ -109,8 +109,8 @@ fn reference_friction_is_found_the_same_on_any_number_of_threads_and_added_for_g
     assert!(String::from_utf8_lossy(&done.stderr).contains("was fitted to runs of this campaign"));
     let refitted = json(&again);
     for p in refitted["base"]["parameters"].as_array().unwrap() {
-        let before = added["after"]["parameters"].as_array().unwrap().iter();
-        let before = before.clone().find(|q| q["name"] == p["name"]).unwrap();
+        let parameters = added["after"]["parameters"].as_array().unwrap();
+        let before = parameters.iter().find(|q| q["name"] == p["name"]).unwrap();
         assert_eq!(p["at_bound"], false, "a file's value has room on both sides: {p}");
         let (Some(std), Some(known)) = (p["std"].as_f64(), before["std"].as_f64()) else { continue };
         assert!(std >= 0.9 * known, "{p} after {before}");

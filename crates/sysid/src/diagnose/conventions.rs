@@ -3,8 +3,7 @@
 
 use super::Candidate;
 use super::search::Search;
-use crate::fit;
-use crate::fit::EQUAL_COST;
+use crate::fit::{self, EQUAL_COST};
 
 /// Standard errors by which a value must differ under another choice to be said.
 const DIFFERS: f64 = 3.0;

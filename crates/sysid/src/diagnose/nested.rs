@@ -5,8 +5,7 @@ use super::Candidate;
 use super::candidate::symbol;
 use super::decide::TIED_COST;
 use super::search::Search;
-use crate::fit::EQUAL_COST;
-use crate::fit::Signatures;
+use crate::fit::{EQUAL_COST, Signatures};
 use sealegs_model::{EffectCard, Scale, SimplerLaw};
 
 /// Departure of a richer law from the simpler one that it contains, as a share of its strength, that data must exclude for
