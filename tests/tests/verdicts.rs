@@ -59,8 +59,7 @@ fn diagnosis(hidden: (&str, &[f64]), encoder: bool, runs: &[(&str, Vec<f64>)]) -
     write(folder.path(), hidden, encoder, runs);
     let mut campaign = Campaign::read(folder.path()).unwrap();
     let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
-    let options = diagnose::Options::of(&model);
-    diagnose::diagnose(&campaign, &model, &options, &|_| ()).unwrap()
+    diagnose::diagnose(&campaign, &model, &|_| ()).unwrap()
 }
 
 /// What is named and what is called indistinguishable from it.

@@ -81,6 +81,14 @@ pub trait Model: fmt::Debug + Send + Sync {
         self.clone_box()
     }
 
+    /// A copy whose simulations of these records an observer pulls to the motion that was measured there. Their
+    /// predictions stay near the measurement where a force is missing, so that the residual is a smooth function of the
+    /// parameters, and their internal signals `missing.PORT` ([`internal::MISSING`]) are the forces that the
+    /// model lacks. `None` if the records measure no motion that this model could be pulled to.
+    fn observing(&self, _records: &[&Record]) -> Option<Box<dyn Model>> {
+        None
+    }
+
     /// A copy behind a new box.
     fn clone_box(&self) -> Box<dyn Model>;
 }

@@ -105,7 +105,8 @@ impl Prediction {
     pub fn places(&self) -> Vec<&str> {
         let mut places: Vec<&str> = Vec::new();
         for signal in &self.internals {
-            let place = signal.channel.rsplit_once('.').map_or("", |(place, _)| place);
+            let name = signal.channel.split_once(internal::MISSING).map_or(signal.channel.as_str(), |(p, _)| p);
+            let place = name.rsplit_once('.').map_or("", |(place, _)| place);
             if !places.contains(&place) {
                 places.push(place);
             }
@@ -139,4 +140,7 @@ pub mod internal {
     pub const JOINT_ANGLE: &str = "joint_angle";
     /// Speed of the output joint, rad/s.
     pub const JOINT_SPEED: &str = "joint_speed";
+    /// What the name of a signal begins with (behind its place) that a model under an observer lacks at a port:
+    /// `missing.rotor`, `missing.spring`, `missing.output`, in N or N m, positive like the port's own force.
+    pub const MISSING: &str = "missing.";
 }

@@ -118,25 +118,7 @@ impl Model for Toy {
     }
 }
 
-/// A small seeded generator, so that no test depends on another crate's stream.
-pub(crate) struct Noise(u64);
-
-impl Noise {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-    }
-    pub fn uniform(&mut self) -> f64 {
-        // SplitMix64.
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    pub fn normal(&mut self) -> f64 {
-        (-2.0 * (1.0 - self.uniform()).ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
-    }
-}
+pub(crate) use crate::stats::Noise;
 
 /// A run of `n` samples at 200 Hz with a held random staircase, simulated with `values` and noise of
 /// `noise_std` on both channels (force and deflection), a gain and a bias on the force, a gain on the

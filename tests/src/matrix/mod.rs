@@ -221,7 +221,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     let mut campaign = Campaign::read(&place)?;
     let model = bench_model::of_campaign(&mut campaign, None, Vec::new())?;
     let started = Instant::now();
-    let found = diagnose::diagnose(&campaign, &model, &diagnose::Options::of(&model), &|_| ())?;
+    let found = diagnose::diagnose(&campaign, &model, &|_| ())?;
     outcome.seconds = Some(started.elapsed().as_secs_f64());
     let verdict = &found.verdict;
     let ids: Vec<String> = made.hidden.iter().map(|h| h.id.clone()).collect();

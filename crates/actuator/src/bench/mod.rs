@@ -5,6 +5,7 @@
 
 mod channel;
 mod linear;
+mod observed;
 mod pendulum;
 mod sensor;
 
@@ -100,6 +101,8 @@ pub struct BenchModel {
     parameters: Vec<Parameter>,
     included: Vec<Included>,
     own: Vec<Arc<dyn Effect>>,
+    /// Measured motions of records that simulations are pulled to.
+    observed: Option<Arc<observed::Observed>>,
 }
 
 impl BenchModel {
@@ -135,6 +138,7 @@ impl BenchModel {
             parameters,
             included: Vec::new(),
             own,
+            observed: None,
         };
         for effect in wanted {
             let seen = Excitation { measured: OUTPUTS.map(str::to_owned).to_vec(), ..Excitation::default() };
@@ -343,7 +347,10 @@ impl BenchModel {
             Cow::Borrowed(&record.time_s)
         };
         let commands = mean_per_step(&time_s, &input.values, record.hold, &plant.laws.command_stages, &grid);
-        let trace = plant.simulate(grid, &commands)?;
+        let trace = match self.observed.as_ref().and_then(|o| o.observer(record, &plant, &grid, self)) {
+            Some(observer) => plant.observe(grid, &commands, &observer)?,
+            None => plant.simulate(grid, &commands)?,
+        };
         Ok((plant, trace))
     }
 }
@@ -402,12 +409,19 @@ impl Model for BenchModel {
         let nominal_stiffness = self.spec.spring.stiffness();
         let (start_s, step_s) = (trace.grid.start_s, trace.grid.step_s);
         let events = self.spec.spring_limits().over_run(start_s, step_s, &trace.force_1);
-        let sensed = channel::sense(&plant, trace, arm_m, nominal_stiffness, &record.time_s, channels);
+        let missing = self.observed.as_ref().map(|o| o.missing(record, &plant, &trace, arm_m));
+        let mut sensed = channel::sense(&plant, trace, arm_m, nominal_stiffness, &record.time_s, channels);
+        sensed.internals.extend(missing.into_iter().flatten());
         Ok(Prediction { events: events.iter().map(ToString::to_string).collect(), ..sensed })
     }
 
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
         Box::new(Self { steps_per_sample: Some(steps_per_sample), ..self.clone() })
+    }
+
+    fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
+        let observed = observed::Observed::of(records)?;
+        Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }
 
     fn clone_box(&self) -> Box<dyn Model> {

@@ -22,6 +22,7 @@ mod integrate;
 mod laws;
 mod linear;
 mod linearised;
+mod observer;
 mod ports;
 mod trace;
 
@@ -31,6 +32,8 @@ pub use friction::Sliding;
 pub use laws::Laws;
 pub use linear::Coordinates;
 pub use linearised::Linearised;
+pub(crate) use observer::pull_at;
+pub use observer::{Observer, ReferenceMotion, smoothed};
 pub use ports::{
     CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, SpringForce, SpringPath,
 };
@@ -181,6 +184,20 @@ impl Plant {
     ///
     /// [`sealegs_model::ModelError::NotFinite`] when a state runs away.
     pub fn simulate(&self, grid: Grid, commands: &[f64]) -> Result<Trace, sealegs_model::ModelError> {
-        integrate::simulate(self, grid, commands)
+        integrate::simulate(self, grid, commands, None)
+    }
+
+    /// As [`Plant::simulate`], while an observer pulls the rotor and link 2 to a measured motion.
+    ///
+    /// # Errors
+    ///
+    /// As [`Plant::simulate`].
+    pub fn observe(
+        &self,
+        grid: Grid,
+        commands: &[f64],
+        observer: &Observer,
+    ) -> Result<Trace, sealegs_model::ModelError> {
+        integrate::simulate(self, grid, commands, Some(observer))
     }
 }

@@ -27,6 +27,10 @@ pub struct Trace {
     pub link_2_position: Vec<f64>,
     /// Position of link 1 along the axis, m; empty if it is fixed.
     pub link_1_position: Vec<f64>,
+    /// Force of an [`super::Observer`] on the rotor over the step that ends at the point, N; empty without one.
+    pub rotor_pull: Vec<f64>,
+    /// The same on link 2.
+    pub output_pull: Vec<f64>,
 }
 
 impl Trace {
@@ -44,6 +48,8 @@ impl Trace {
             deflection: room(at.count > 1),
             link_2_position: room(at.link_2.is_some()),
             link_1_position: room(at.link_1.is_some()),
+            rotor_pull: Vec::new(),
+            output_pull: Vec::new(),
         }
     }
 

@@ -50,8 +50,9 @@ pub struct ParameterSpec {
     pub scale: Option<Scale>,
 }
 
-/// Greatest skew between the clocks of command and sensors, in sampling periods: 20 us at 1 kHz.
-const CLOCK_SKEW: f64 = 0.02;
+/// Greatest skew between the clocks of command and sensors, in sampling periods: loggers read their sensors anywhere
+/// between two commands.
+const CLOCK_SKEW: f64 = 0.5;
 
 /// Without `min` and `max`: this far from the nominal value, as ratios.
 const BOUNDS_LINEAR: (f64, f64) = (0.5, 1.5);
@@ -121,7 +122,7 @@ fn parameter(name: &str, unit: &str, value: f64, said: Option<&ParameterSpec>) -
     parameter.fixed = known.fixed.unwrap_or(usually_fixed && said.is_none_or(|s| *s == value_only(s)));
     parameter.scale = scale;
     if name == "clock_skew" {
-        // Two clocks never agree to better than this; anything longer is a delay, and an effect.
+        // Below one sample an offset is a matter of the clocks; anything longer is a delay, and an effect.
         (parameter.min, parameter.max, parameter.typical) = (-CLOCK_SKEW, CLOCK_SKEW, 0.1 * CLOCK_SKEW);
         parameter.prior_std = parameter.prior_std.or(Some(0.5 * CLOCK_SKEW));
         return parameter;

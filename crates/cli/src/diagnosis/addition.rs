@@ -3,21 +3,10 @@
 use super::outcome::{ParameterValue, Side, parameters, sensors};
 use super::provenance::Provenance;
 use crate::failure::{OrBadInput, bad_input};
-use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter};
-use sealegs_sysid::diagnose::{
-    Candidate, Options, Promise, Starts, fit_holding, reconciled, screen, tuned, with_effects,
-};
-use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, fit};
+use sealegs_model::{Excitation, Model, ModelError};
+use sealegs_sysid::diagnose::{Candidate, Models};
+use sealegs_sysid::{Campaign, Data, Evaluation, Role};
 use serde::Serialize;
-
-/// Starting values of an effect that are simulated before any is fitted.
-const STARTS: usize = 200;
-
-/// The most promising ones, which are fitted.
-const FITTED: usize = 3;
-
-/// Most steps of a fit before it is finished.
-const STEPS: usize = 20;
 
 /// A model before and after effects were added to it, both fitted.
 pub struct Added {
@@ -114,24 +103,15 @@ pub fn add(
 ) -> anyhow::Result<Added> {
     let data = Data::new(campaign, Some(Role::Fit), model).or_bad_input()?;
     tell("refitting the model as it is".to_owned());
-    let base_fit = fit::fit(&data, model, &FitOptions::of(model))?;
-    let seen = data.excitation(&base_fit.evaluation.predictions);
-    check(model, effects, &seen)?;
-    let before = Candidate::of_base(&data, model, base_fit);
-    let mut after: Option<Candidate> = None;
-    // What an effect shows may depend on another one being there already.
-    let backwards: Vec<String> = effects.iter().rev().cloned().collect();
-    let orders = if effects.len() > 1 { vec![effects.to_vec(), backwards] } else { vec![effects.to_vec()] };
-    for order in orders {
-        let grown = grow(&data, model, &before, &order, &seen, tell)?;
-        if after.as_ref().is_none_or(|a| grown.fit.cost < a.fit.cost) {
-            after = Some(grown);
-        }
-    }
-    let after = after.ok_or_else(|| bad_input("no effect was named"))?;
-    tell("fitting everything together".to_owned());
-    let after = if fit::has_many_parameters(model) { after } else { reconciled(&data, model, &seen, after) };
-    let after = finished(&data, model, effects, &seen, after)?;
+    let mut models = Models::new(&data, model);
+    let base = models.base()?;
+    check(model, effects, &models.seen)?;
+    tell(format!("fitting {}", effects.join(" + ")));
+    let after = models
+        .with_effects(&base, effects)
+        .ok_or_else(|| bad_input(format!("{} cannot be simulated with {}", model.name(), effects.join(" + "))))?;
+    let before = models.polished(&base);
+    let seen = models.seen;
     let mut work = data.work();
     let (mut before_holdout, mut after_holdout) = (None, None);
     if campaign.runs_of(Role::Holdout).next().is_some() {
@@ -161,85 +141,4 @@ fn check(model: &dyn Model, effects: &[String], seen: &Excitation) -> anyhow::Re
         })?;
     }
     Ok(())
-}
-
-/// Adds one effect after the other, each from its most promising starting values.
-fn grow(
-    data: &Data,
-    model: &dyn Model,
-    before: &Candidate,
-    order: &[String],
-    seen: &Excitation,
-    tell: &dyn Fn(String),
-) -> anyhow::Result<Candidate> {
-    let mut grown = before.clone();
-    for effect in order {
-        tell(format!("trying starting values of {effect}"));
-        let cards: Vec<EffectCard> =
-            grown.model.effects(seen).into_iter().filter(|c| c.id == *effect).collect();
-        let promises: Vec<Promise> =
-            screen(data, &grown, seen, &cards, Starts { most: STARTS, first: STARTS });
-        let mut set = grown.effects.clone();
-        set.push(effect.clone());
-        let effort = Options::of(model).effort(&grown, STEPS);
-        let mut best: Option<Candidate> = None;
-        for (_, start) in promises.iter().flat_map(|p| p.starts.iter().take(FITTED)) {
-            let mut known = grown.known();
-            known.extend(start.iter().cloned());
-            let Ok(fitted) = Candidate::fitted(data, model, &set, seen, &known, &effort) else { continue };
-            if best.as_ref().is_none_or(|b| fitted.fit.cost < b.fit.cost) {
-                best = Some(fitted);
-            }
-        }
-        let best = match best {
-            Some(best) => best,
-            // Nothing was promised: the effect's own guess is as good as any.
-            None => Candidate::fitted(data, model, &set, seen, &grown.known(), &effort)?,
-        };
-        grown = if fit::has_many_parameters(model) {
-            best
-        } else {
-            tuned(data, best, |_, known| Candidate::fitted(data, model, &set, seen, known, &effort).ok())
-        };
-    }
-    Ok(grown)
-}
-
-/// The candidate with its effects in the order asked for, fitted to the end, every discrete choice of the
-/// base model tried again.
-fn finished(
-    data: &Data,
-    base: &dyn Model,
-    effects: &[String],
-    seen: &Excitation,
-    candidate: Candidate,
-) -> anyhow::Result<Candidate> {
-    let model = with_effects(base, effects, seen)?;
-    let known = candidate.known();
-    let mut best: Option<Fit> = None;
-    let mut attempt = |start: Vec<f64>| -> anyhow::Result<bool> {
-        let options = FitOptions { last: true, ..candidate.onward(base, start) };
-        let fitted = fit_holding(data, model.as_ref(), &options)?;
-        if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
-            best = Some(fitted);
-        }
-        Ok(best.iter().flat_map(|b| b.sensors()).any(|s| s.gain_at_limit))
-    };
-    for choice in fit::choices(base) {
-        let start = |from_fit: bool| -> Vec<f64> {
-            let value = |(i, p): (usize, &Parameter)| {
-                let discrete = p.fixed && !p.starts.is_empty() && i < choice.len();
-                let fitted = known.iter().find(|(name, _)| *name == p.name).map_or(p.value, |(_, v)| *v);
-                if discrete || (i < choice.len() && !from_fit) { choice[i] } else { fitted }
-            };
-            model.parameters().iter().enumerate().map(value).collect()
-        };
-        // Without its effects a model may have driven a sensor's gain to its limit, and a search that
-        // starts there stays: the nominal values are another place to start from.
-        if attempt(start(true))? {
-            attempt(start(false))?;
-        }
-    }
-    let fit = best.ok_or_else(|| bad_input("no effect was named"))?;
-    Ok(Candidate::exactly(data, effects.to_vec(), model, fit))
 }

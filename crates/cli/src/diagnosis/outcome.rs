@@ -28,6 +28,10 @@ pub struct Outcome {
     pub after: Option<Side>,
     /// Part of the residual energy above the floor that is left.
     pub unexplained_share: f64,
+    /// Errors from the base model to the named set, one effect after the other in the order of what they take.
+    pub ladder: Vec<RungSaid>,
+    /// Effects that help significantly and take less than 1 % of the base model's held-out error.
+    pub traces: Vec<String>,
     /// Sets by their prediction of left-out stretches, best first.
     pub ranking: Vec<Ranked>,
     /// Which experiment would tell more.
@@ -71,6 +75,17 @@ pub struct Side {
     pub parameters: Vec<ParameterValue>,
     /// Its sensors.
     pub sensors: Vec<SensorValue>,
+}
+
+/// A step of the ladder.
+#[derive(Debug, Clone, Serialize)]
+pub struct RungSaid {
+    /// The effects so far.
+    pub effects: Vec<String>,
+    /// Root mean square residual of the holdout runs, in noise units.
+    pub holdout_error: f64,
+    /// The same of the fit runs.
+    pub fit_error: f64,
 }
 
 /// A fitted parameter.
@@ -225,6 +240,16 @@ impl Outcome {
             },
             after: named.then(|| side(&verdict.after)),
             unexplained_share: verdict.unexplained_share,
+            ladder: verdict
+                .ladder
+                .iter()
+                .map(|r| RungSaid {
+                    effects: r.effects.clone(),
+                    holdout_error: r.holdout_error,
+                    fit_error: r.fit_error,
+                })
+                .collect(),
+            traces: verdict.traces.clone(),
             ranking: verdict
                 .ranking
                 .iter()

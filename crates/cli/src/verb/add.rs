@@ -2,7 +2,7 @@
 
 use crate::campaign_model::inputs_of;
 use crate::diagnosis::addition::{Added, add};
-use crate::diagnosis::outcome::{Outcome, Ranked, Work, parameters, percent};
+use crate::diagnosis::outcome::{Outcome, Ranked, RungSaid, Side, Work, parameters, percent};
 use crate::diagnosis::provenance::Provenance;
 use crate::diagnosis::story::{Sides, Story};
 use crate::diagnosis::{page, progress, text};
@@ -169,9 +169,16 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
     );
     let left = |c: &sealegs_sysid::diagnose::Candidate| c.validation.mean_square();
     let residuals = added.before.validation.residuals as f64;
+    let rung = |side: &Side, effects: &[String]| RungSaid {
+        effects: effects.to_vec(),
+        holdout_error: side.holdout_error,
+        fit_error: side.fit_error,
+    };
     Outcome {
         campaign: campaign.name.clone(),
         noise_floor: floor,
+        ladder: vec![rung(&base, &[]), rung(&after, &added.effects)],
+        traces: Vec::new(),
         ranking: vec![Ranked {
             effects: added.effects.clone(),
             holdout_error: after.holdout_error,

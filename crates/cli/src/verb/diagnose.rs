@@ -58,7 +58,7 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let plan_file = Destination::optional(arguments.plan.as_ref())?;
 
     let bar = progress::spinner();
-    let done = diagnose::diagnose(&campaign, model.as_ref(), &diagnose::Options::of(model.as_ref()), &|p| {
+    let done = diagnose::diagnose(&campaign, model.as_ref(), &|p| {
         bar.set_message(progress::message(&p));
     });
     bar.set_message("planning the next experiment");

@@ -1,10 +1,9 @@
 //! A set of effects beside the base model, fitted to the fit runs and cross-validated inside them.
 
-use super::rugged;
 use super::validation::{Validation, validate};
 use crate::Error;
 use crate::data::{Data, Evaluation};
-use crate::fit::{Difference, Fit, FitOptions, KnownColumns, fit};
+use crate::fit::{Fit, FitOptions, KnownColumns, fit};
 use sealegs_model::{Excitation, Model};
 use std::sync::Arc;
 
@@ -23,34 +22,6 @@ pub struct Candidate {
     pub exact: bool,
 }
 
-/// Gain of a step with which a fit in a search is content (see [`FitOptions::tolerance`]).
-const TOLERANCE: f64 = 0.05;
-
-/// The same where derivatives are dear; what is chosen is fitted on.
-const ROUGH_TOLERANCE: f64 = 3.0;
-
-/// How much work a fit in a search is worth.
-#[derive(Debug, Clone)]
-pub struct Effort {
-    /// Steps at most.
-    pub steps: usize,
-    /// Derivatives at its end.
-    pub difference: Difference,
-    /// Derivatives that are known nearby, where the fit is to make do with them as far as they go (see
-    /// [`FitOptions::secants`]).
-    pub columns: Option<Arc<KnownColumns>>,
-    /// Whether what is held in a search only is free (see [`FitOptions::last`]).
-    pub last: bool,
-}
-
-impl Effort {
-    /// As many steps, every derivative by simulation.
-    #[must_use]
-    pub fn steps(steps: usize) -> Self {
-        Self { steps, difference: Difference::Forward, columns: None, last: false }
-    }
-}
-
 impl Candidate {
     /// The base model as it was fitted.
     #[must_use]
@@ -66,37 +37,20 @@ impl Candidate {
         Self { effects, model, fit, validation, exact: true }
     }
 
-    /// Fits the base model with these effects, from the given values where a parameter's name is known and
-    /// from its guess where it is not.
+    /// A model with effects fitted as the options say.
     ///
     /// # Errors
     ///
-    /// If an effect cannot be added or nothing can be simulated from there.
+    /// As [`fit`].
     pub fn fitted(
         data: &Data,
-        base: &dyn Model,
-        effects: &[String],
-        seen: &Excitation,
-        known: &[(String, f64)],
-        effort: &Effort,
+        effects: Vec<String>,
+        model: Box<dyn Model>,
+        options: &FitOptions,
     ) -> Result<Self, Error> {
-        let model = with_effects(base, effects, seen)?;
-        let start = values_by_name(model.as_ref(), known);
-        let options = FitOptions {
-            start: Some(start),
-            starts: 1,
-            max_steps: effort.steps,
-            tolerance: if effort.columns.is_some() { ROUGH_TOLERANCE } else { TOLERANCE },
-            difference: effort.difference,
-            secants: effort.columns.is_some(),
-            columns: effort.columns.clone(),
-            held: rugged::held(model.as_ref()),
-            last: effort.last,
-            ..FitOptions::default()
-        };
-        let fit = fit(data, model.as_ref(), &options)?;
-        let validation = validate(data, model.as_ref(), effects, &fit);
-        Ok(Self { effects: effects.to_vec(), model, fit, validation, exact: false })
+        let fit = fit(data, model.as_ref(), options)?;
+        let validation = validate(data, model.as_ref(), &effects, &fit);
+        Ok(Self { effects, model, fit, validation, exact: false })
     }
 
     /// What it leaves of runs that it was not fitted to, each sensor as it was fitted.
@@ -124,14 +78,6 @@ impl Candidate {
     #[must_use]
     pub fn columns(&self) -> Arc<KnownColumns> {
         Arc::new(KnownColumns::of(&self.fit))
-    }
-
-    /// A thorough fit of a model like this one, from a start nearby.
-    #[must_use]
-    pub fn onward(&self, model: &dyn Model, start: Vec<f64>) -> FitOptions {
-        let usual = FitOptions::of(model);
-        let columns = usual.secants.then(|| self.columns());
-        FitOptions { start: Some(start), starts: 1, columns, ..usual }
     }
 
     /// Number of parameters that the effects add and a fit may change.

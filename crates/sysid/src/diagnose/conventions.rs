@@ -2,7 +2,7 @@
 //! and what the fitted values are under the other one.
 
 use super::Candidate;
-use super::search::Search;
+use super::refine::Models;
 use crate::fit::{self, EQUAL_COST};
 
 /// Standard errors by which a value must differ under another choice to be said.
@@ -17,18 +17,12 @@ pub struct OpenChoice {
     pub values: Vec<(String, f64)>,
 }
 
-impl Search<'_> {
-    /// The candidate under the discrete choice that fits best; of choices whose costs differ by no more than
-    /// `equal`, the first.
-    pub(super) fn with_best_choice(&self, candidate: Candidate, equal: f64) -> Candidate {
-        let all = self.under_every_choice(&candidate);
-        first_of_the_best(&all, equal).map_or(candidate, |first| all[first].clone())
-    }
-
+impl Models<'_> {
     /// The candidate under the first of the choices that fit equally well, and the other ones.
     pub(super) fn settled(&self, candidate: Candidate) -> (Candidate, Vec<Candidate>) {
         let mut all = self.under_every_choice(&candidate);
-        let Some(first) = first_of_the_best(&all, EQUAL_COST) else { return (candidate, Vec::new()) };
+        let costs: Vec<f64> = all.iter().map(|c| c.fit.cost).collect();
+        let Some(first) = fit::first_of_the_best(&costs, EQUAL_COST) else { return (candidate, Vec::new()) };
         let chosen = all.swap_remove(first);
         all.retain(|c| (c.fit.cost - chosen.fit.cost).abs() <= EQUAL_COST);
         (chosen, all)
@@ -41,11 +35,11 @@ impl Search<'_> {
             return Vec::new();
         }
         let mut all: Vec<Candidate> = Vec::new();
-        for choice in fit::choices(self.base) {
+        for choice in fit::choices(self.exact) {
             let mut known = candidate.known();
             let mut same = true;
             for &i in &discrete {
-                let name = &self.base.parameters()[i].name;
+                let name = &self.exact.parameters()[i].name;
                 let Some(entry) = known.iter_mut().find(|(n, _)| n == name) else { continue };
                 same &= entry.1 == choice[i];
                 entry.1 = choice[i];
@@ -61,7 +55,7 @@ impl Search<'_> {
 
     /// Which parameters of the base model are discrete choices.
     fn discrete(&self) -> Vec<usize> {
-        let parameters = self.base.parameters();
+        let parameters = self.exact.parameters();
         (0..parameters.len()).filter(|&i| parameters[i].fixed && !parameters[i].starts.is_empty()).collect()
     }
 
@@ -90,8 +84,4 @@ impl Search<'_> {
             .filter(|open| !open.values.is_empty())
             .collect()
     }
-}
-
-fn first_of_the_best(all: &[Candidate], equal: f64) -> Option<usize> {
-    fit::first_of_the_best(&all.iter().map(|c| c.fit.cost).collect::<Vec<_>>(), equal)
 }

@@ -1,153 +1,46 @@
-//! Which physical effect is missing: screen every effect, fit the promising sets, select by
-//! cross-validation inside the fit runs, judge once on the holdout runs.
+//! Which physical effect is missing: see what is missing in the log, then name it.
 //!
-//! The walk: the base model is refitted first ([`crate::fit`]), so that a wrong value is never taken for a
-//! missing effect. Effects are screened beside it ([`screen`]), the promising ones fitted together with
-//! the base parameters ([`Candidate`]), sets grown, pruned and compared ([`Found`]); the verdict follows
-//! from the holdout runs ([`Verdict`]). Nothing before it looks at them, except where the fit runs leave several sets open or
-//! promise little: then the holdout runs decide.
+//! The walk, a stage a file; none looks back. The base model is refitted first ([`refine`]), so that a wrong value is never
+//! taken for a missing effect. An observer shows what is missing at each port ([`missing`]) and what that depends on
+//! ([`dependence`]). Effects are regressed on it ([`screen`]()), the promising sets fitted ([`Models`]), compared and
+//! exchanged on stretches of the fit runs ([`search`]). Then, and only then, the holdout runs are read, and judge once
+//! ([`judge`]).
 
 mod adapt;
 mod candidate;
 mod compare;
 mod conventions;
-mod decide;
+mod count;
+mod dependence;
 mod excitations;
 mod experiment;
-mod finish;
-mod known_base;
-mod left;
+mod judge;
+mod missing;
 mod nested;
-mod profile;
+mod policy;
+mod refine;
 mod rig;
-mod rivals;
-mod rugged;
-mod scatter;
 mod screen;
 mod search;
 mod validation;
-mod verdict;
 
-pub use candidate::{Candidate, Effort, values_by_name, with_effects};
+pub use candidate::{Candidate, values_by_name, with_effects};
 pub use compare::clearly_better;
 pub use conventions::OpenChoice;
+pub use count::fit_holding;
+pub use dependence::{Curve, Dependence};
 pub use experiment::{Experiment, Limits, Play, next_experiment};
-pub use known_base::reconciled;
+pub use judge::{Judged, Rung, Verdict, VerdictKind};
+pub use missing::Missing;
 pub use nested::DEPARTURE;
-pub use rugged::{fit_holding, tuned};
-pub use screen::{Promise, Starts, race_periodic, screen};
-pub use search::Found;
+pub use policy::policy;
+pub use refine::Models;
+pub use screen::{Known, Plan, Promise, Screened, screen};
 pub use validation::Validation;
-pub use verdict::{Judged, Verdict, VerdictKind};
 
 use crate::data::Data;
-use crate::fit::FitOptions;
-use crate::{Campaign, Error, Role, fit};
+use crate::{Campaign, Error, Role};
 use sealegs_model::{Excitation, Model};
-
-/// How thorough a diagnosis is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Options {
-    /// Largest set of effects.
-    pub most_effects: usize,
-    /// Simulations after which sets of three effects and more are not begun: what is explained by few is found long
-    /// before, and where none fits, every further effect takes some of the remainder.
-    pub growing_simulations: u64,
-    /// Starting values of each effect that are simulated beside the base model.
-    pub starts: usize,
-    /// The same beside a model with effects.
-    pub starts_later: usize,
-    /// Starting values that every effect gets at first, the most promising ones all of them.
-    pub starts_first: usize,
-    /// Periodic effects, the most promising ones, that are fitted for a few steps before they are ranked.
-    pub periodic_raced: usize,
-    /// Starting values of each that are.
-    pub periods_raced: usize,
-    /// Starting values of a set that are fitted.
-    pub starts_fitted: usize,
-    /// Single effects that are fitted.
-    pub shortlist: usize,
-    /// Sets that are fitted at every further size.
-    pub shortlist_later: usize,
-    /// Steps that every fit of a shortlist gets before the leaders go on.
-    pub race_steps: usize,
-    /// Whether fits make do with derivatives that are known nearby as far as they go (see [`FitOptions::secants`]).
-    pub secants: bool,
-    /// Error as a ratio of the floor up to which a better valley is looked for around the leader of a shortlist. On a
-    /// bench starts are cheap, and there are many instead: what fits best far from the floor is not what foresees best,
-    /// and one valley too many has led astray there.
-    pub shaken_below: f64,
-    /// Valleys that are fitted then.
-    pub shakes_fitted: usize,
-    /// Fits of a shortlist that go on to the end.
-    pub finishers: usize,
-    /// Single effects that pairs grow from.
-    pub beam_first: usize,
-    /// Sets that further sizes grow from.
-    pub beam: usize,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            most_effects: 6,
-            growing_simulations: 30_000,
-            starts: 200,
-            starts_later: 60,
-            starts_first: usize::MAX,
-            periodic_raced: usize::MAX,
-            periods_raced: usize::MAX,
-            starts_fitted: 2,
-            shortlist: 12,
-            shortlist_later: 8,
-            race_steps: 4,
-            secants: false,
-            shaken_below: 1.2,
-            shakes_fitted: 3,
-            finishers: 5,
-            beam_first: 4,
-            beam: 2,
-        }
-    }
-}
-
-impl Options {
-    /// What suits a model: of one with many parameters and places only the most promising sets are fitted.
-    #[must_use]
-    pub fn of(model: &dyn Model) -> Self {
-        let usual = Self::default();
-        if !fit::has_many_parameters(model) {
-            return usual;
-        }
-        Self {
-            growing_simulations: 8_000,
-            starts: 12,
-            starts_later: 6,
-            starts_first: 2,
-            periodic_raced: 3,
-            periods_raced: 4,
-            starts_fitted: 1,
-            // Steps are cheap, derivatives are not.
-            race_steps: 8,
-            secants: true,
-            shaken_below: f64::INFINITY,
-            shakes_fitted: 1,
-            shortlist: 6,
-            shortlist_later: 3,
-            // A law that contains the right one fits as well: the simpler must be fitted to the end, too.
-            finishers: 4,
-            beam_first: 1,
-            beam: 1,
-            ..usual
-        }
-    }
-
-    /// The work of a fit of a search that begins near a candidate.
-    #[must_use]
-    pub fn effort(&self, near: &Candidate, steps: usize) -> Effort {
-        Effort { columns: self.secants.then(|| near.columns()), ..Effort::steps(steps) }
-    }
-}
 
 /// What a diagnosis is doing, for a progress bar.
 #[derive(Debug, Clone, PartialEq)]
@@ -168,6 +61,34 @@ pub enum Progress {
     Judging,
 }
 
+/// What the search leaves: the chosen set and everything that was fitted on the way.
+#[derive(Debug)]
+pub struct Found {
+    /// Everything that was fitted, the base model first.
+    pub tried: Vec<Candidate>,
+    /// Index of the chosen one in `tried`.
+    pub chosen: usize,
+    /// Indices of sets of no more effects that these data do not tell from the chosen one.
+    pub tied: Vec<usize>,
+    /// Indices of sets that are the chosen one by another name: richer laws from whose simple form nothing departs.
+    pub same: Vec<usize>,
+    /// Choices of the base model that explain the fit runs as well, with other values.
+    pub open: Vec<OpenChoice>,
+    /// What screening promised of each effect beside the base model.
+    pub promises: Vec<Promise>,
+    /// How the base model predicts what was left out, as exactly as the search was: what the sets that were not
+    /// fitted again compare with.
+    pub base_as_searched: Validation,
+}
+
+impl Found {
+    /// Index of a set, if it was fitted.
+    #[must_use]
+    pub fn index_of(&self, effects: &[String]) -> Option<usize> {
+        self.tried.iter().position(|t| t.effects == effects)
+    }
+}
+
 /// The outcome of a diagnosis.
 #[derive(Debug)]
 pub struct Diagnosis {
@@ -183,13 +104,6 @@ pub struct Diagnosis {
     pub simulated_s: f64,
 }
 
-/// Error as a ratio of the floor beyond which a base model with many parameters, or with some of which nothing is known,
-/// is suspected to have been bent by the fit as far as it goes, and effects are screened beside its nominal values, too.
-const BENT: f64 = 3.0;
-
-/// Integration steps per sampling period in the search; what it finds is fitted again with the model itself.
-const STEPS_PER_SAMPLE: f64 = 4.0;
-
 /// Diagnoses a campaign with a base model.
 ///
 /// # Errors
@@ -198,42 +112,39 @@ const STEPS_PER_SAMPLE: f64 = 4.0;
 pub fn diagnose(
     campaign: &Campaign,
     base: &dyn Model,
-    options: &Options,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Diagnosis, Error> {
+    campaign.require(Role::Holdout)?;
     let data = Data::new(campaign, Some(Role::Fit), base)?;
-    let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
     progress(Progress::Base);
-    let coarse = base.coarser(STEPS_PER_SAMPLE);
-    let base_fit = fit_holding(&data, coarse.as_ref(), &FitOptions::of(base))?;
-    let seen = data.excitation(&base_fit.evaluation.predictions);
-    let admitted: Vec<String> = base.effects(&seen).into_iter().map(|c| c.id).collect();
-    let mut first = Candidate::of_base(&data, coarse.as_ref(), base_fit);
-    // Where the search's steps are the model's own there is nothing to polish.
-    first.exact = data.predict(base, &first.fit.values).is_ok_and(|p| p == first.fit.evaluation.predictions);
-    let nominal: Vec<f64> = base.parameters().iter().map(|p| p.value).collect();
-    let at_nominal = || fit::at_values(&data, coarse.as_ref(), &nominal, fit::Difference::Forward).ok();
-    let far = first.fit.error() > BENT * data.floor;
-    let bent = far && !options.secants && base.parameters().iter().any(known_base::is_unknown);
-    let nominal = (far && (options.secants || bent)).then(at_nominal).flatten();
-    let search = search::Search {
-        data: &data,
-        base: coarse.as_ref(),
-        exact: base,
-        refined: false,
-        nominal: nominal.map(|fit| Candidate::of_base(&data, coarse.as_ref(), fit)),
-        bent,
-        seen: &seen,
-        admitted,
-        options,
-        tried: vec![first],
-        screened: Vec::new(),
-        scattered: 0,
-        progress,
-    };
-    let found = search.run(&holdout);
+    let mut models = Models::new(&data, base);
+    let first = models.base()?;
+    let found = search(&models, first, progress);
     progress(Progress::Judging);
-    let verdict = verdict::judge(&holdout, &found)?;
+    let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
+    let verdict = judge::judge(&holdout, &found)?;
     let (a, b) = (data.work(), holdout.work());
+    let seen = models.seen;
     Ok(Diagnosis { verdict, found, seen, simulations: a.0 + b.0, simulated_s: a.1 + b.1 })
+}
+
+/// The search on the fit runs alone, from the fitted base model.
+fn search(models: &Models, first: Candidate, progress: &(dyn Fn(Progress) + Sync)) -> Found {
+    let admitted = models.exact.effects(&models.seen).into_iter().map(|c| c.id).collect();
+    let base_as_searched = first.validation.clone();
+    let mut search = search::Search { models, admitted, tried: vec![first], promises: Vec::new(), progress };
+    let best = search.run();
+    let (chosen, mut tied) = search.ties(best);
+    let search::Search { mut tried, promises, .. } = search;
+    let same = models.by_another_name(&tried, chosen);
+    tied.retain(|i| !same.contains(i));
+    let (settled, others) = models.settled(tried[chosen].clone());
+    tried[chosen] = settled.clone();
+    for i in [0, chosen] {
+        if !tried[i].exact {
+            tried[i] = models.polished(&tried[i]);
+        }
+    }
+    let open = models.open_choices(&settled, &others, &tried[chosen]);
+    Found { tried, chosen, tied, same, open, promises, base_as_searched }
 }

@@ -3,8 +3,8 @@
 
 use super::Candidate;
 use super::candidate::symbol;
-use super::decide::TIED_COST;
-use super::search::Search;
+use super::policy::TIED_COST;
+use super::refine::Models;
 use crate::fit::{EQUAL_COST, Signatures};
 use sealegs_model::{EffectCard, Scale, SimplerLaw};
 
@@ -12,12 +12,11 @@ use sealegs_model::{EffectCard, Scale, SimplerLaw};
 /// both to be the same.
 pub const DEPARTURE: f64 = 0.3;
 
-impl Search<'_> {
-    /// The sets that are the chosen one by another name.
-    pub(super) fn by_another_name(&self, chosen: usize) -> Vec<usize> {
-        let own = &self.tried[chosen];
-        let others = (0..self.tried.len()).filter(|&i| i != chosen);
-        others.filter(|&i| self.is_the_same(own, &self.tried[i])).collect()
+impl Models<'_> {
+    /// The sets among those tried that are the chosen one by another name.
+    pub(super) fn by_another_name(&self, tried: &[Candidate], chosen: usize) -> Vec<usize> {
+        let others = (0..tried.len()).filter(|&i| i != chosen);
+        others.filter(|&i| self.is_the_same(&tried[chosen], &tried[i])).collect()
     }
 
     /// Whether a set is the chosen one with richer laws in the place of some of its own, fits no better, and could not
@@ -28,7 +27,7 @@ impl Search<'_> {
         if !comparable || richer.fit.cost < cost - EQUAL_COST {
             return false;
         }
-        let cards = self.base.effects(self.seen);
+        let cards = self.exact.effects(&self.seen);
         let mut as_simple: Vec<String> = Vec::new();
         for effect in &richer.effects {
             if chosen.effects.contains(effect) {

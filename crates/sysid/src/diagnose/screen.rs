@@ -1,183 +1,136 @@
-//! Screening: what every effect would gain beside a fitted model, from a few simulations each.
+//! Screening: what every effect, alone and in pairs, would gain beside a fitted model, by linear regression.
 //!
-//! An effect at one of its starting values makes a difference to the prediction, its signature. What the
-//! base parameters and the sensors can do in its place is projected out, and the residual is regressed on
-//! what is left: the fall of the cost that the best amplitude would bring. This is a first opinion that
-//! decides what is fitted, nothing more.
+//! An effect at one of its starting values changes the prediction: its signature. What the base parameters and the
+//! sensors can do in its place is projected out, and the residual is regressed on what is left. Under an observer the
+//! motion is the measured one, so that a signature is the effect's own force and not what a whole run makes of it.
+//! Signatures of several effects are regressed together: effects that explain something only together show there.
 
-use super::Candidate;
-use super::candidate::symbol;
-use super::rugged;
+use super::policy::{
+    FARTHEST, NEAREST, PAIR_WORTH, PAIRED, SCREEN_STEPS_PER_SAMPLE, SHORTLIST, SHORTLIST_PAIRS,
+};
+use super::{Candidate, count};
 use crate::data::Data;
-use crate::fit::{Difference, FitOptions, Signatures, fit};
+use crate::fit::Signatures;
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Prediction, Scale};
 
-/// Integration steps per sampling period: enough to tell what is promising.
-const STEPS_PER_SAMPLE: f64 = 2.0;
-
-/// Signatures that are taken together: bounds the memory that they need.
+/// Signatures that are taken together in the first look: bounds the memory that they need.
 const TOGETHER: usize = 8;
 
-/// How far an amplitude is trusted beyond the value that was simulated.
-const FARTHEST: f64 = 3.0;
+/// Starting values of each effect that are looked at again, together with those of all others.
+const KEPT: usize = 2;
 
 /// The parameter that makes an effect periodic.
 pub(super) const PHASE: &str = EffectCard::PHASE;
 
-/// What screening found of one effect.
+/// Values by the parameters' full names.
+pub type Known = Vec<(String, f64)>;
+
+/// An effect at starting values, with the fall of the cost that it promises.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Promise {
     /// The effect's id.
     pub effect: String,
     /// Predicted fall of the cost.
     pub drop: f64,
-    /// Starting values of the effect's parameters, by full name, with the fall of the cost that each
-    /// promises, best first.
-    pub starts: Vec<(f64, Vec<(String, f64)>)>,
+    /// Starting values of the effect's parameters.
+    pub start: Known,
 }
 
-impl Promise {
-    /// Adds further starts.
-    fn take_in(&mut self, starts: Vec<(f64, Vec<(String, f64)>)>) {
-        self.starts.extend(starts);
-        self.starts.sort_by(|a, b| b.0.total_cmp(&a.0));
-        self.drop = self.starts.first().map_or(0.0, |s| s.0);
+/// Effects to be fitted together, and from where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// What is added, one effect or two.
+    pub added: Vec<String>,
+    /// Predicted fall of the cost.
+    pub drop: f64,
+    /// Starting values of all their parameters.
+    pub start: Known,
+}
+
+/// What screening found beside a candidate.
+#[derive(Debug, Clone, Default)]
+pub struct Screened {
+    /// Each effect at its best starting values, the most promising first.
+    pub promises: Vec<Promise>,
+    /// The most promising pairs.
+    pub pairs: Vec<Plan>,
+}
+
+impl Screened {
+    /// What is fitted: the most promising effects alone, then pairs that promise clearly more than either half.
+    #[must_use]
+    pub fn plans(&self, left: f64) -> Vec<Plan> {
+        let alone = self.promises.iter().filter(|p| p.drop > 0.0).take(SHORTLIST as usize);
+        let alone = alone.map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() });
+        let best = self.promises.first().map_or(0.0, |p| p.drop);
+        let worth = (PAIR_WORTH * (left - best)).max(0.0);
+        let pairs = self.pairs.iter().filter(|p| p.drop > best + worth).take(SHORTLIST_PAIRS as usize);
+        alone.chain(pairs.cloned()).collect()
     }
 }
 
-/// How many starting values of each effect are simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Starts {
-    /// At most.
-    pub most: usize,
-    /// At first; only the most promising effects then get all of them.
-    pub first: usize,
+/// One look at an effect from starting values.
+#[derive(Debug, Clone)]
+pub(super) struct Look {
+    /// The effect, by its place among the cards.
+    pub card: usize,
+    /// Values of its parameters, as strong as they help most.
+    pub start: Vec<f64>,
+    /// Predicted fall of the cost.
+    pub drop: f64,
 }
 
-/// Starting values from which on a rugged parameter is looked for in an excerpt, too.
-const DENSE: usize = 200;
-
-/// Effects that get all their starting values where each gets few at first.
-const LEADERS: usize = 24;
-
-/// Periodic effects that get all their periods then.
-const PERIODIC_LEADERS: usize = 3;
-
-/// Screens effects beside a candidate.
+/// Screens effects beside a candidate, each from so many starting values at most.
 ///
-/// The result is in the order of `cards`; an effect that cannot be simulated promises nothing.
+/// An effect that cannot be simulated promises nothing.
+#[must_use]
 pub fn screen(
     data: &Data,
     beside: &Candidate,
     seen: &Excitation,
     cards: &[EffectCard],
-    starts: Starts,
-) -> Vec<Promise> {
-    let all: Vec<Vec<Vec<f64>>> =
-        cards.iter().map(|card| combinations(&card.parameters, starts.most)).collect();
-    let mut screened: Vec<Vec<Vec<f64>>> = all.iter().map(|s| spread(s, starts.first)).collect();
-    let mut promises = screen_starts(data, beside, seen, cards, screened.clone());
-    let best_first = |promises: &[Promise]| {
-        let mut order: Vec<usize> = (0..cards.len()).collect();
-        order.sort_by(|&a, &b| promises[b].drop.total_cmp(&promises[a].drop));
-        order
-    };
-    // Starts of some effects that were not screened yet.
-    let mut go_on = |promises: &mut [Promise], chosen: &[usize], every: &dyn Fn(usize) -> Vec<Vec<f64>>| {
-        let mut more: Vec<Vec<Vec<f64>>> = vec![Vec::new(); cards.len()];
-        for &i in chosen {
-            more[i] = every(i);
-            more[i].retain(|start| !screened[i].contains(start));
-            screened[i].extend(more[i].iter().cloned());
-        }
-        for (promise, found) in promises.iter_mut().zip(screen_starts(data, beside, seen, cards, more)) {
-            promise.take_in(found.starts);
-        }
-    };
-    if all.iter().any(|s| s.len() > starts.first) {
-        let leaders: Vec<usize> = best_first(&promises).into_iter().take(LEADERS).collect();
-        go_on(&mut promises, &leaders, &|i| all[i].clone());
-        // From one period no search finds its way to the next: where most effects get few starting values, those
-        // that repeat and promise most get all periods.
-        let periodic = best_first(&promises).into_iter().filter(|&i| cards[i].is_periodic());
-        let periodic: Vec<usize> = periodic.take(PERIODIC_LEADERS).collect();
-        go_on(&mut promises, &periodic, &|i| combinations(&cards[i].parameters, usize::MAX));
+    starts: usize,
+) -> Screened {
+    let mut jobs: Vec<(usize, Vec<f64>)> = Vec::new();
+    for (c, card) in cards.iter().enumerate() {
+        // A periodic effect's starts are its periods: none of them leads to another.
+        let most = if card.is_periodic() { usize::MAX } else { starts };
+        jobs.extend(combinations(&card.parameters, most).into_iter().map(|s| (c, s)));
+        jobs.extend(count::starts(data, beside, seen, card).into_iter().map(|s| (c, s)));
     }
-    for (card, promise) in cards.iter().zip(&mut promises) {
-        let starts = if starts.most >= DENSE { rugged::starts(data, beside, seen, card) } else { Vec::new() };
-        for found in screen_starts(data, beside, seen, std::slice::from_ref(card), vec![starts]) {
-            promise.take_in(found.starts);
-        }
-    }
-    promises
+    let looks = looks(data, beside, seen, cards, &jobs);
+    together(data, beside, seen, cards, looks)
 }
 
-/// Starts of a periodic or rugged parameter that are listed one by one.
-pub(super) const LISTED: usize = 24;
+/// Predictions of all runs with one more effect at starting values.
+fn changed(
+    data: &Data,
+    (coarse, values): (&dyn Model, &[f64]),
+    seen: &Excitation,
+    card: &EffectCard,
+    start: &[f64],
+) -> Option<Vec<Prediction>> {
+    let model = coarse.with_effect(&card.id, seen).ok()?;
+    let values: Vec<f64> = values.iter().chain(start).copied().collect();
+    data.predict(model.as_ref(), &values).ok()
+}
 
-/// A start whose signature is larger than the residual by the inverse of that is tried again, weaker: so far from
-/// what is looked for, a signature says nothing where the effect is not linear (a rotor that sticks in its ripple).
-const TOO_STRONG: f64 = 0.2;
-
-/// As [`screen`], from these starts of each effect.
-pub(super) fn screen_starts(
+/// What effects (by their places among the cards) promise from starting values, the most promising first.
+pub(super) fn looks(
     data: &Data,
     beside: &Candidate,
     seen: &Excitation,
     cards: &[EffectCard],
-    starts: Vec<Vec<Vec<f64>>>,
-) -> Vec<Promise> {
-    let mut found: Vec<Vec<(f64, Vec<f64>)>> = vec![Vec::new(); cards.len()];
-    let jobs: Vec<(usize, Vec<f64>)> =
-        starts.into_iter().enumerate().flat_map(|(c, all)| all.into_iter().map(move |s| (c, s))).collect();
-    let weaker = promised(data, beside, seen, cards, jobs, &mut found);
-    promised(data, beside, seen, cards, weaker, &mut found);
-    cards
-        .iter()
-        .zip(found)
-        .map(|(card, mut tried)| {
-            tried.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let name = |p: &Parameter| format!("{}.{}", card.id, p.name);
-            Promise {
-                effect: card.id.clone(),
-                drop: tried.first().map_or(0.0, |t| t.0),
-                starts: tried
-                    .into_iter()
-                    .map(|(drop, s)| {
-                        (drop, card.parameters.iter().zip(s).map(|(p, v)| (name(p), v)).collect())
-                    })
-                    .collect(),
-            }
-        })
-        .collect()
-}
-
-/// Adds the predicted falls of the cost from starting values of effects, by their index, with the values at the
-/// best amplitude; returns the starts that were too strong to tell, weaker.
-fn promised(
-    data: &Data,
-    beside: &Candidate,
-    seen: &Excitation,
-    cards: &[EffectCard],
-    jobs: Vec<(usize, Vec<f64>)>,
-    found: &mut [Vec<(f64, Vec<f64>)>],
-) -> Vec<(usize, Vec<f64>)> {
-    let mut weaker = Vec::new();
-    let coarse = beside.model.coarser(STEPS_PER_SAMPLE);
-    // What cannot be simulated coarsely promises nothing.
-    let unchanged = data.predict(coarse.as_ref(), &beside.fit.values).unwrap_or_default();
-    let jobs = if unchanged.is_empty() { Vec::new() } else { jobs };
+    jobs: &[(usize, Vec<f64>)],
+) -> Vec<Look> {
+    let coarse = beside.model.coarser(SCREEN_STEPS_PER_SAMPLE);
+    let base = (coarse.as_ref(), &beside.fit.values[..]);
+    let Ok(unchanged) = data.predict(base.0, base.1) else { return Vec::new() };
+    let mut looks: Vec<Look> = Vec::new();
     for chunk in jobs.chunks(TOGETHER) {
-        let predicted: Vec<Option<Vec<Prediction>>> = chunk
-            .par_iter()
-            .map(|(c, start)| {
-                let model = coarse.with_effect(&cards[*c].id, seen).ok()?;
-                let mut values = beside.fit.values.clone();
-                values.extend_from_slice(start);
-                data.predict(model.as_ref(), &values).ok()
-            })
-            .collect();
+        let predicted: Vec<_> =
+            chunk.par_iter().map(|(c, start)| changed(data, base, seen, &cards[*c], start)).collect();
         let there: Vec<usize> = (0..chunk.len()).filter(|&i| predicted[i].is_some()).collect();
         let columns: Vec<&[Prediction]> = predicted.iter().flatten().map(Vec::as_slice).collect();
         if columns.is_empty() {
@@ -185,30 +138,108 @@ fn promised(
         }
         let signatures = Signatures::new(data, &beside.fit, &unchanged, &columns);
         for (column, &job) in there.iter().enumerate() {
-            let (c, start) = &chunk[job];
-            let parameters = &cards[*c].parameters;
-            let (stiffness, slope) = (signatures.gram[(column, column)], signatures.gradient[column]);
-            if stiffness <= 0.0 || !stiffness.is_finite() {
-                continue;
+            let (card, start) = &chunk[job];
+            let p = &cards[*card].parameters;
+            if let Some((amplitude, drop)) = best_amplitude(p, &signatures, column) {
+                looks.push(Look { card: *card, start: scaled(p, start, amplitude, 0.0), drop });
             }
-            let both_ways = parameters.iter().any(|p| (is_amplitude(p) && p.min < 0.0) || p.name == PHASE);
-            let least = if both_ways { -FARTHEST } else { 0.0 };
-            // What cannot be scaled may still be too strong here, and right when it is weaker.
-            let scales = parameters.iter().any(is_amplitude);
-            let most = if scales { FARTHEST } else { 1.0 };
-            let fits = (2.0 * beside.fit.cost / stiffness).sqrt();
-            if scales && fits < TOO_STRONG {
-                let scale = |(p, v): (&Parameter, &f64)| if is_amplitude(p) { v * fits } else { *v };
-                weaker.push((*c, parameters.iter().zip(start).map(scale).collect()));
-            }
-            // A rugged effect is what it is or another one, never a part of it.
-            let whole = parameters.iter().any(rugged::is_rugged);
-            let amplitude = if whole { 1.0 } else { (-slope / stiffness).clamp(least, most) };
-            let drop = -(slope * amplitude + 0.5 * stiffness * amplitude * amplitude);
-            found[*c].push((drop, scaled(parameters, start, amplitude)));
         }
     }
-    weaker
+    looks.sort_by(|a, b| b.drop.total_cmp(&a.drop));
+    looks
+}
+
+/// Looks at the best starts of all effects again, as strong as they promised to be, and regresses them together.
+fn together(
+    data: &Data,
+    beside: &Candidate,
+    seen: &Excitation,
+    cards: &[EffectCard],
+    looks: Vec<Look>,
+) -> Screened {
+    let coarse = beside.model.coarser(SCREEN_STEPS_PER_SAMPLE);
+    let base = (coarse.as_ref(), &beside.fit.values[..]);
+    let Ok(unchanged) = data.predict(base.0, base.1) else { return Screened::default() };
+    let mut kept: Vec<Look> = Vec::new();
+    for look in looks {
+        let same: Vec<&Look> = kept.iter().filter(|k| k.card == look.card).collect();
+        if same.len() < KEPT && same.iter().all(|k| k.start != look.start) {
+            kept.push(look);
+        }
+    }
+    let again: Vec<Option<Vec<Prediction>>> =
+        kept.par_iter().map(|l| changed(data, base, seen, &cards[l.card], &l.start)).collect();
+    let (kept, columns): (Vec<Look>, Vec<Vec<Prediction>>) =
+        kept.into_iter().zip(again).filter_map(|(look, p)| Some((look, p?))).unzip();
+    if kept.is_empty() {
+        return Screened::default();
+    }
+    let columns: Vec<&[Prediction]> = columns.iter().map(Vec::as_slice).collect();
+    let signatures = Signatures::new(data, &beside.fit, &unchanged, &columns);
+    let named = |look: &Look, amplitude: f64| -> Known {
+        let card = &cards[look.card];
+        let values = scaled(&card.parameters, &look.start, amplitude, NEAREST);
+        card.parameters.iter().zip(values).map(|(p, v)| (format!("{}.{}", card.id, p.name), v)).collect()
+    };
+    let mut order: Vec<(usize, f64, f64)> = (0..kept.len())
+        .filter_map(|i| {
+            let (amplitude, drop) = best_amplitude(&cards[kept[i].card].parameters, &signatures, i)?;
+            Some((i, amplitude, drop))
+        })
+        .collect();
+    order.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let mut promises: Vec<Promise> = Vec::new();
+    let mut best: Vec<usize> = Vec::new();
+    for (i, amplitude, drop) in order {
+        let effect = &cards[kept[i].card].id;
+        if promises.iter().all(|p| p.effect != *effect) {
+            let start = named(&kept[i], amplitude);
+            promises.push(Promise { effect: effect.clone(), drop, start });
+            best.push(i);
+        }
+    }
+    best.truncate(PAIRED as usize);
+    let mut pairs: Vec<Plan> = Vec::new();
+    for (n, &i) in best.iter().enumerate() {
+        for &j in &best[n + 1..] {
+            let (drop, amplitudes) = signatures.drop(&[i, j]);
+            let admitted = |look: usize, amplitude: f64| {
+                let (least, most) = range(&cards[kept[look].card].parameters);
+                (least..=most).contains(&amplitude) && amplitude != 0.0
+            };
+            if drop.is_finite() && admitted(i, amplitudes[0]) && admitted(j, amplitudes[1]) {
+                let mut start = named(&kept[i], amplitudes[0]);
+                start.extend(named(&kept[j], amplitudes[1]));
+                let added = [i, j].map(|k| cards[kept[k].card].id.clone()).to_vec();
+                pairs.push(Plan { added, drop, start });
+            }
+        }
+    }
+    pairs.sort_by(|a, b| b.drop.total_cmp(&a.drop));
+    Screened { promises, pairs }
+}
+
+/// The amplitude of a signature, 1 as it was simulated, that lowers the cost most, and by how much; `None` where it
+/// changes nothing.
+fn best_amplitude(parameters: &[Parameter], signatures: &Signatures, column: usize) -> Option<(f64, f64)> {
+    let (stiffness, slope) = (signatures.gram[(column, column)], signatures.gradient[column]);
+    if stiffness <= 0.0 || !stiffness.is_finite() || !slope.is_finite() {
+        return None;
+    }
+    let (least, most) = range(parameters);
+    let amplitude = if least == most { most } else { (-slope / stiffness).clamp(least, most) };
+    Some((amplitude, -(slope * amplitude + 0.5 * stiffness * amplitude * amplitude)))
+}
+
+/// Amplitudes that are admitted: an effect without a strength is what it is at its start, or a part of that; one that is
+/// found by counting is it or another one, never a part.
+fn range(parameters: &[Parameter]) -> (f64, f64) {
+    if parameters.iter().any(count::is_count) {
+        return (1.0, 1.0);
+    }
+    let both_ways = parameters.iter().any(|p| (is_amplitude(p) && p.min < 0.0) || p.name == PHASE);
+    let scales = parameters.iter().any(is_amplitude);
+    (if both_ways { -FARTHEST } else { 0.0 }, if scales { FARTHEST } else { 1.0 })
 }
 
 /// Whether the effect vanishes in proportion to this parameter.
@@ -216,9 +247,11 @@ pub(super) fn is_amplitude(p: &Parameter) -> bool {
     p.neutral == Some(0.0) && !p.fixed && p.scale == Scale::Linear
 }
 
-/// A start moved along its amplitude, but not so close to nothing that a search would not leave it.
-fn scaled(parameters: &[Parameter], start: &[f64], amplitude: f64) -> Vec<f64> {
-    let factor = if amplitude.abs() < 0.2 { 0.2_f64.copysign(amplitude) } else { amplitude };
+/// A start moved along its amplitude, but not closer to nothing than a share.
+fn scaled(parameters: &[Parameter], start: &[f64], amplitude: f64, nearest: f64) -> Vec<f64> {
+    // The first look scales by any factor but zero; nothing is left of a start at zero.
+    let least = nearest.max(1e-3);
+    let factor = if amplitude.abs() < least { least.copysign(amplitude) } else { amplitude };
     let periodic = parameters.iter().any(|p| p.name == PHASE);
     parameters
         .iter()
@@ -237,7 +270,8 @@ pub(super) fn combinations(parameters: &[Parameter], most: usize) -> Vec<Vec<f64
     let mut all: Vec<Vec<f64>> = vec![Vec::new()];
     for p in parameters {
         let mut options = vec![p.value];
-        if !p.fixed {
+        // What is listed in full is a count, which has a search of its own.
+        if !p.fixed && !count::is_count(p) {
             options.extend(p.starts.iter().filter(|s| **s != p.value));
         }
         all = options
@@ -245,84 +279,15 @@ pub(super) fn combinations(parameters: &[Parameter], most: usize) -> Vec<Vec<f64
             .flat_map(|&o| all.iter().map(move |before| before.iter().copied().chain([o]).collect()))
             .collect();
     }
-    spread(&all, most)
-}
-
-/// So many of them at most, evenly over what there is, so that no parameter's starts are cut off.
-fn spread(all: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
     if all.len() <= most {
-        return all.to_vec();
+        return all;
     }
+    // Evenly over what there is, so that no parameter's starts are cut off.
     let step = all.len() as f64 / most as f64;
     (0..most).map(|i| all[(i as f64 * step) as usize].clone()).collect()
 }
 
-/// Ratio of amplitudes from which starts of one period are raced apart.
-const ANOTHER_SIZE: f64 = 4.0;
-
-/// Steps that every start of a periodic effect gets.
-const RACE_STEPS: usize = 2;
-
-/// A second opinion on a periodic effect, whose promise at a wrong amplitude says little where the rotor sticks
-/// and slips: every period is fitted for a few steps with all else held, and the starts are ranked by that.
-/// Of the periods at most `most`, those that promise most.
-pub fn race_periodic(
-    data: &Data,
-    beside: &Candidate,
-    seen: &Excitation,
-    promise: Promise,
-    most: usize,
-) -> Promise {
-    let is_phase = |name: &str| symbol(name, &promise.effect) == Some(PHASE);
-    let Some((_, first)) = promise.starts.first() else { return promise };
-    if !first.iter().any(|(name, _)| is_phase(name)) {
-        return promise;
-    }
-    let Ok(model) = beside.model.with_effect(&promise.effect, seen) else { return promise };
-    // The phases are found by the fit: of each period the more promising start goes on, and the next whose amplitude
-    // is of another size, for a promise from too strong a ripple is none.
-    let alike = |a: &[(String, f64)], b: &[(String, f64)]| {
-        a[0].1.abs().max(b[0].1.abs()) < ANOTHER_SIZE * a[0].1.abs().min(b[0].1.abs())
-    };
-    let period = |start: &[(String, f64)]| -> Vec<u64> {
-        start[1..].iter().filter(|(name, _)| !is_phase(name)).map(|(_, v)| v.to_bits()).collect()
-    };
-    let mut entered: Vec<&(f64, Vec<(String, f64)>)> = Vec::new();
-    for start in &promise.starts {
-        let same = || entered.iter().filter(|e| period(&e.1) == period(&start.1));
-        if same().count() < 2 && same().all(|e| !alike(&e.1, &start.1)) {
-            entered.push(start);
-        }
-    }
-    entered.truncate(most);
-    let mut raced: Vec<(f64, Vec<(String, f64)>)> = entered
-        .par_iter()
-        .map(|(drop, start)| {
-            let mut values = beside.fit.values.clone();
-            values.extend(start.iter().map(|(_, v)| *v));
-            let options = FitOptions {
-                start: Some(values),
-                starts: 1,
-                max_steps: RACE_STEPS,
-                difference: Difference::Forward,
-                only: Some(format!("{}.", promise.effect)),
-                ..FitOptions::default()
-            };
-            match fit(data, model.as_ref(), &options) {
-                Ok(fit) => {
-                    let reached = fit.values[beside.fit.values.len()..].iter();
-                    let start = start.iter().zip(reached).map(|((n, _), v)| (n.clone(), *v)).collect();
-                    (beside.fit.cost - fit.cost, start)
-                }
-                Err(_) => (*drop, start.clone()),
-            }
-        })
-        .collect();
-    raced.sort_by(|a, b| b.0.total_cmp(&a.0));
-    Promise { drop: raced[0].0.max(promise.drop), starts: raced, ..promise }
-}
-
-/// The effects that a candidate could still be given.
+/// The effects that a model could still be given, out of those admitted.
 #[must_use]
 pub fn addable(model: &dyn Model, seen: &Excitation, admitted: &[String]) -> Vec<EffectCard> {
     model.effects(seen).into_iter().filter(|c| admitted.contains(&c.id)).collect()
@@ -344,5 +309,17 @@ mod tests {
         assert!(all.contains(&vec![3.0, 20.0]));
         b.fixed = true;
         assert_eq!(combinations(&[a, b], 100).len(), 3);
+    }
+
+    #[test]
+    fn a_pair_is_planned_only_where_it_promises_more_than_its_better_half() {
+        let promise = |effect: &str, drop: f64| Promise { effect: effect.into(), drop, start: Vec::new() };
+        let pair = |drop: f64| Plan { added: vec!["a".into(), "b".into()], drop, start: Vec::new() };
+        let screened = |drop: f64| Screened {
+            promises: vec![promise("a", 60.0), promise("b", 5.0)],
+            pairs: vec![pair(drop)],
+        };
+        assert_eq!(screened(62.0).plans(100.0).len(), 2);
+        assert_eq!(screened(90.0).plans(100.0).len(), 3);
     }
 }

@@ -1,7 +1,7 @@
 //! How a fitted candidate predicts what was left out of the fit, from the fit to everything.
 
 use super::candidate::symbol;
-use super::left::AT_FLOOR;
+use super::policy::AT_FLOOR;
 use crate::data::{Data, Evaluation};
 use crate::fit::{Fit, dot};
 use nalgebra::{DMatrix, DVector};

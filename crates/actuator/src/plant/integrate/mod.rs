@@ -10,18 +10,23 @@ mod rub;
 
 use super::friction::Held;
 use super::linear::{LinearPart, MOST, Propagator, Row};
-use super::{GRAVITY_M_S2, Grid, Link, Plant, Trace, WobblingMass};
+use super::{GRAVITY_M_S2, Grid, Link, Observer, Plant, Trace, WobblingMass};
 use rub::Friction;
 use sealegs_model::ModelError;
 
-pub(super) fn simulate(plant: &Plant, grid: Grid, commands: &[f64]) -> Result<Trace, ModelError> {
+pub(super) fn simulate(
+    plant: &Plant,
+    grid: Grid,
+    commands: &[f64],
+    observer: Option<&Observer>,
+) -> Result<Trace, ModelError> {
     let linear = LinearPart::of(plant);
     match linear.coordinates.count {
-        1 => Stepper::<1>::new(plant, &linear, grid)?.trace(commands),
-        2 => Stepper::<2>::new(plant, &linear, grid)?.trace(commands),
-        3 => Stepper::<3>::new(plant, &linear, grid)?.trace(commands),
-        4 => Stepper::<4>::new(plant, &linear, grid)?.trace(commands),
-        _ => Stepper::<MOST>::new(plant, &linear, grid)?.trace(commands),
+        1 => Stepper::<1>::new(plant, &linear, grid)?.observed(observer).trace(commands),
+        2 => Stepper::<2>::new(plant, &linear, grid)?.observed(observer).trace(commands),
+        3 => Stepper::<3>::new(plant, &linear, grid)?.observed(observer).trace(commands),
+        4 => Stepper::<4>::new(plant, &linear, grid)?.observed(observer).trace(commands),
+        _ => Stepper::<MOST>::new(plant, &linear, grid)?.observed(observer).trace(commands),
     }
 }
 
@@ -49,6 +54,8 @@ pub(super) struct Stepper<'a, const N: usize> {
     has_rotor_friction: bool,
     /// Whether the bound of the rotor's friction changes with speed, and with load.
     bound_feels: (bool, bool),
+    /// What pulls the motion to a measured one.
+    observer: Option<&'a Observer>,
 }
 
 struct Acceleration<const N: usize> {
@@ -101,6 +108,8 @@ pub(super) struct State<const N: usize> {
     pub presliding: f64,
     /// Force of the slipping element beside the spring, N, positive in compression.
     pub spring_slip: f64,
+    /// Forces of the observer on the rotor and on link 2 over the last step, N.
+    pull: (f64, f64),
 }
 
 #[inline(always)]
@@ -196,7 +205,13 @@ impl<'a, const N: usize> Stepper<'a, N> {
                 plant.laws.rotor_friction.iter().any(|f| f.feels_speed()),
                 plant.laws.rotor_friction.iter().any(|f| f.feels_load()),
             ),
+            observer: None,
         })
+    }
+
+    /// The same with an observer that pulls the motion to a measured one.
+    fn observed(self, observer: Option<&'a Observer>) -> Self {
+        Self { observer, ..self }
     }
 
     /// At rest with all springs relaxed.
@@ -211,6 +226,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             dry: 0.0,
             presliding: 0.0,
             spring_slip: 0.0,
+            pull: (0.0, 0.0),
         }
     }
 
@@ -259,6 +275,14 @@ impl<'a, const N: usize> Stepper<'a, N> {
                 + p.by_force.1[i][0] * commanded;
         }
         let mut next = State { motor: commanded, ..*from };
+        if let Some(observer) = self.observer {
+            let at_output = self.link_2.map_or((0.0, 0.0), |i| (q[i], v[i]));
+            next.pull = observer.pull(n, (q[0], v[0]), at_output);
+            self.push(&mut plain, 0, next.pull.0);
+            if let Some(i) = self.link_2 {
+                self.push(&mut plain, i, next.pull.1);
+            }
+        }
         let mut forces = [0.0; N];
         let mut departure = 0.0;
         let mut free = plain;
@@ -295,7 +319,10 @@ impl<'a, const N: usize> Stepper<'a, N> {
             next.force_1 = force;
         }
         if self.screw_end.is_none() {
-            forces[0] += commanded;
+            forces[0] += commanded + next.pull.0;
+            if let Some(i) = self.link_2 {
+                forces[i] += next.pull.1;
+            }
             if self.has_friction {
                 self.rub_at_end(from, &next, &friction, &mut forces);
             }
@@ -409,6 +436,10 @@ impl<'a, const N: usize> Stepper<'a, N> {
         trace.force_1.push(state.force_1);
         trace.force_2.push(force_2);
         trace.motor_force.push(state.motor);
+        if self.observer.is_some() {
+            trace.rotor_pull.push(state.pull.0);
+            trace.output_pull.push(state.pull.1);
+        }
         if N > 1 {
             trace.deflection.push(dot(&self.deflection, q));
         }

@@ -1,4 +1,4 @@
-//! Parameters along which a prediction jumps, such as the count of a drive: found by simulating many values.
+//! Counts: parameters along which a prediction jumps, such as the resolution of a drive, found by simulating many values.
 //!
 //! The error has a narrow valley at the truth and many beside it, and no derivative shows the way. A drive that
 //! resolves its greatest command in `N` counts shifts the last of them by one where `N` changes by one: the values
@@ -7,15 +7,15 @@
 
 use super::Candidate;
 use super::candidate::{symbol, values_by_name};
-use super::left::{excess, mean_square_difference};
-use super::screen::{combinations, screen_starts};
+use super::compare::{excess, mean_square_difference};
+use super::screen::{combinations, looks};
 use crate::Error;
 use crate::data::{Data, DataRun};
 use crate::fit::{self, Difference, Fit, FitOptions};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Record, Scale, Signal};
 
-/// A logarithmic parameter with more starts than that is rugged.
+/// A logarithmic parameter with more starts than that, and a neutral value, is a count.
 const STARTS: usize = 24;
 
 /// Distance of the values that are tried, in counts of the greatest command.
@@ -50,20 +50,20 @@ const FURTHER: f64 = 1.5;
 const ROUNDS: usize = 3;
 
 /// Whether derivatives say nothing of a parameter.
-pub(super) fn is_rugged(p: &Parameter) -> bool {
+pub(super) fn is_count(p: &Parameter) -> bool {
     p.starts.len() >= STARTS && p.scale == Scale::Logarithmic && p.neutral.is_some()
 }
 
-/// The parameters of a model that a fit holds: all those of effects with a rugged one.
+/// The parameters of a model that a fit holds: all those of effects with a count.
 pub(super) fn held(model: &dyn Model) -> Vec<String> {
     let effect =
         |p: &Parameter| p.name.rsplit_once('.').map_or(String::new(), |(effect, _)| format!("{effect}."));
-    let rugged: Vec<String> = model.parameters().iter().filter(|p| is_rugged(p)).map(effect).collect();
+    let counts: Vec<String> = model.parameters().iter().filter(|p| is_count(p)).map(effect).collect();
     let names = model.parameters().iter().map(|p| &p.name);
-    names.filter(|n| rugged.iter().any(|effect| n.starts_with(effect.as_str()))).cloned().collect()
+    names.filter(|n| counts.iter().any(|effect| n.starts_with(effect.as_str()))).cloned().collect()
 }
 
-/// Fits a model, its rugged parameters held; the standard error of such a one is how far it can be moved until the error
+/// Fits a model, its counts held; the standard error of a count is how far it can be moved until the error
 /// rises as for one standard deviation, for derivatives see no further than the next jump. A last fit goes on from there
 /// with what is free at last only.
 ///
@@ -84,7 +84,7 @@ pub fn fit_holding(data: &Data, model: &dyn Model, options: &FitOptions) -> Resu
     let there = FitOptions { start: Some(fitted.values), starts: 1, max_steps: 0, ..options.clone() };
     let (steps, converged) = (fitted.steps, fitted.converged);
     let mut fit = Fit { steps, converged, ..fit::fit(data, model, &there)? };
-    for (i, p) in model.parameters().iter().enumerate().filter(|(_, p)| is_rugged(p) && !p.fixed) {
+    for (i, p) in model.parameters().iter().enumerate().filter(|(_, p)| is_count(p) && !p.fixed) {
         fit.parameters[i].std = room(data, model, &fit, i, p);
     }
     Ok(fit)
@@ -111,11 +111,11 @@ fn room(data: &Data, model: &dyn Model, fit: &Fit, index: usize, p: &Parameter) 
     reaches.into_iter().map(|r| r.unwrap_or(p.max - p.min)).fold(0.0, f64::max)
 }
 
-/// Starting values of an effect with a rugged parameter that promise most on an excerpt, best first; none for other
+/// Starting values of an effect with a count that promise most on an excerpt, best first; none for other
 /// effects, or where nothing can be simulated.
 pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &EffectCard) -> Vec<Vec<f64>> {
     let dear = fit::has_many_parameters(beside.model.as_ref());
-    let Some(rugged) = card.parameters.iter().position(is_rugged).filter(|_| !dear) else {
+    let Some(counted) = card.parameters.iter().position(is_count).filter(|_| !dear) else {
         return Vec::new();
     };
     let blocks = &beside.fit.evaluation.blocks;
@@ -131,7 +131,7 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
     let record = head(run.record, run.record.time_s.get(first).copied().unwrap_or(0.0) + EXCERPT_S);
     let excerpt = Data::from_parts(data.channels.clone(), vec![cut(run, &record)], data.floor);
     // The card's greatest value is a tenth of the greatest command.
-    let peak = 10.0 * card.parameters[rugged].max;
+    let peak = 10.0 * card.parameters[counted].max;
     // What the base parameters can do in its place is left to them, as in all screening: without a count that it has, a
     // drive is fitted with another force constant.
     let Ok(fit) = fit::at_values(&excerpt, beside.model.as_ref(), &beside.fit.values, Difference::Forward)
@@ -146,20 +146,19 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
             (about * ROUGHLY).min(MOST_COUNTS),
         ));
     }
-    let tried: Vec<Vec<f64>> = counts
+    let tried: Vec<(usize, Vec<f64>)> = counts
         .into_iter()
         .flat_map(|counts| {
             let mut parameters = card.parameters.clone();
-            (parameters[rugged].value, parameters[rugged].starts) = (peak / counts, Vec::new());
-            combinations(&parameters, usize::MAX)
+            (parameters[counted].value, parameters[counted].starts) = (peak / counts, Vec::new());
+            combinations(&parameters, usize::MAX).into_iter().map(|start| (0, start))
         })
         .collect();
-    let found = screen_starts(&excerpt, &near, seen, std::slice::from_ref(card), vec![tried]);
+    let found = looks(&excerpt, &near, seen, std::slice::from_ref(card), &tried);
     data.add_work(&excerpt);
-    let promised = found.into_iter().flat_map(|promise| promise.starts).map(|(_, start)| start);
     let mut kept: Vec<Vec<f64>> = Vec::new();
-    for start in promised.map(|start| start.into_iter().map(|(_, v)| v).collect::<Vec<f64>>()) {
-        let near = |k: &Vec<f64>| (k[rugged] / start[rugged]).ln().abs() < APART.ln();
+    for start in found.into_iter().map(|look| look.start) {
+        let near = |k: &Vec<f64>| (k[counted] / start[counted]).ln().abs() < APART.ln();
         if kept.len() < KEPT && !kept.iter().any(near) {
             kept.push(start);
         }
@@ -188,7 +187,7 @@ fn as_many_as_explain(
     let mut values = values_by_name(model.as_ref(), &near.known());
     for (value, p) in values.iter_mut().zip(model.parameters()) {
         if symbol(&p.name, &card.id).is_some() {
-            *value = if is_rugged(p) { count } else { p.starts.last().copied().unwrap_or(p.value) };
+            *value = if is_count(p) { count } else { p.starts.last().copied().unwrap_or(p.value) };
         }
     }
     let counted = data.evaluate(model.as_ref(), &values).ok()?;
@@ -228,26 +227,26 @@ fn cut<'a>(run: &DataRun<'a>, record: &'a Record) -> DataRun<'a> {
     }
 }
 
-/// A candidate whose rugged parameter was looked for again nearby, `fitted` from the better value each time.
+/// A candidate whose count was looked for again nearby, `fitted` from the better value each time.
 #[must_use]
 pub fn tuned(
     data: &Data,
     mut candidate: Candidate,
     fitted: impl Fn(&Candidate, &[(String, f64)]) -> Option<Candidate>,
 ) -> Candidate {
-    let Some(rugged) = candidate.model.parameters().iter().position(is_rugged) else { return candidate };
+    let Some(counted) = candidate.model.parameters().iter().position(is_count) else { return candidate };
     for _ in 0..ROUNDS {
         let before = candidate.fit.cost;
         for (width, points) in NEARBY {
             let (fit, model) = (&candidate.fit, candidate.model.as_ref());
-            let p = &model.parameters()[rugged];
+            let p = &model.parameters()[counted];
             let moved: Vec<Vec<f64>> = (-points..=points)
                 .map(|i| {
                     let mut values = fit.values.clone();
-                    values[rugged] *= 1.0 + width * f64::from(i) / f64::from(points);
+                    values[counted] *= 1.0 + width * f64::from(i) / f64::from(points);
                     values
                 })
-                .filter(|v| (p.min..=p.max).contains(&v[rugged]))
+                .filter(|v| (p.min..=p.max).contains(&v[counted]))
                 .collect();
             let costs: Vec<f64> = moved
                 .par_iter()
@@ -256,7 +255,7 @@ pub fn tuned(
             let Some(best) = (0..costs.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a }) else {
                 continue;
             };
-            if moved[best][rugged] == candidate.fit.values[rugged] {
+            if moved[best][counted] == candidate.fit.values[counted] {
                 continue;
             }
             let known = candidate.named(&moved[best]);

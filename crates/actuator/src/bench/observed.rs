@@ -1,0 +1,130 @@
+//! A bench under an observer: which measured motions it is pulled to, and what is missing at each port.
+
+use super::{Bench, BenchModel};
+use crate::plant::{Grid, Observer, Plant, ReferenceMotion, Trace, sample, smoothed};
+use sealegs_model::{Record, Signal, internal};
+
+/// The observer's natural frequency over that of the rotor on its spring: fast enough that the motion is the measured
+/// one within a fraction of an oscillation, slow enough that an encoder's counts pull less than a newton.
+const FASTER: f64 = 1.5;
+
+/// The observer's greatest natural frequency times the step of the grid: beyond it an explicit pull rings.
+const FASTEST_PER_STEP: f64 = 0.15;
+
+/// The same per sampling period: a reference knows nothing between its samples.
+const FASTEST_PER_SAMPLE: f64 = 0.5;
+
+/// Smoothed measurements of records, by the records' names.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Observed {
+    runs: Vec<(String, Vec<(String, ReferenceMotion)>)>,
+}
+
+/// Channels that tell of the spring's force, with what divides them to a deflection: the stiffness where they are forces.
+const SPRING: [(&str, bool); 5] = [
+    ("spring_deflection_m", false),
+    ("spring_deflection_rad", false),
+    ("force_1_n", true),
+    ("output_torque_nm", true),
+    ("spring_torque_nm", true),
+];
+
+impl Observed {
+    /// The motions that these records measured; `None` if one measured neither rotor nor spring.
+    pub fn of(records: &[&Record]) -> Option<Self> {
+        let tells = |name: &str| name == "motor_angle_rad" || SPRING.iter().any(|(s, _)| *s == name);
+        let runs = records
+            .iter()
+            .map(|record| {
+                record.outputs.iter().any(|s| tells(&s.channel)).then_some(())?;
+                let motions =
+                    record.outputs.iter().map(|s| (s.channel.clone(), smoothed(&record.time_s, &s.values)));
+                Some((record.name.clone(), motions.collect()))
+            })
+            .collect::<Option<Vec<_>>>()?;
+        Some(Self { runs })
+    }
+
+    fn channel(&self, record: &Record, channel: &str) -> Option<&ReferenceMotion> {
+        let (_, motions) = self.runs.iter().find(|(name, _)| *name == record.name)?;
+        motions.iter().find(|(name, _)| name == channel).map(|(_, motion)| motion)
+    }
+
+    /// The rotor's extension, m, from its encoder, else from the spring and the joint.
+    fn rotor(&self, record: &Record, plant: &Plant, arm_m: Option<f64>) -> Option<ReferenceMotion> {
+        if let Some(angle) = self.channel(record, "motor_angle_rad") {
+            return Some(angle.scaled(plant.travel_per_rad));
+        }
+        let (spring, is_force) =
+            SPRING.iter().find_map(|(name, force)| self.channel(record, name).map(|m| (m, *force)))?;
+        let deflection = spring.scaled(if is_force { 1.0 / plant.stiffness } else { 1.0 });
+        match arm_m {
+            None => Some(deflection),
+            Some(arm) => Some(deflection.plus(&self.channel(record, "joint_angle_rad")?.scaled(arm))),
+        }
+    }
+
+    /// The observer of a record's simulation; `None` if it has no motion to follow.
+    pub fn observer(
+        &self,
+        record: &Record,
+        plant: &Plant,
+        grid: &Grid,
+        model: &BenchModel,
+    ) -> Option<Observer> {
+        let arm_m = if let Bench::Pendulum(rig) = model.bench { Some(rig.arm_m) } else { None };
+        let c = model.spec.coefficients();
+        // Gains follow from nominal values: they must not change while a fit moves the parameters.
+        let mass = c.total_mass();
+        let most =
+            (FASTEST_PER_STEP / grid.step_s).min(FASTEST_PER_SAMPLE / record.mean_period_s().max(grid.step_s));
+        let fast = |stiffness: f64, mass: f64| (FASTER * (stiffness / mass).sqrt()).min(most);
+        let rotor = self.rotor(record, plant, arm_m).map(|to| {
+            let rate = fast(c.stiffness, mass);
+            (to.on(grid, &record.time_s), mass * rate * rate, 2.0 * mass * rate)
+        });
+        let output = arm_m.zip(self.channel(record, "joint_angle_rad")).map(|(arm, angle)| {
+            let mass = plant.link_2.mass_kg();
+            (angle.scaled(arm).on(grid, &record.time_s), mass * fast(c.stiffness, mass))
+        });
+        rotor.is_some().then_some(Observer { rotor, output })
+    }
+
+    /// What is missing at each port, at the record's time stamps.
+    ///
+    /// At the rotor: the observer's pull, and what the spring and the damper do not yet feel of it because the rotor lags
+    /// behind its reference; the measured force in the place of the spring's, where there is one. At the spring: the
+    /// measured force beyond that of the modelled spring at the measured deflection. At the output: the pull on it.
+    pub fn missing(&self, record: &Record, plant: &Plant, trace: &Trace, arm_m: f64) -> Vec<Signal> {
+        if trace.rotor_pull.is_empty() {
+            return Vec::new();
+        }
+        let (grid, time_s) = (&trace.grid, &record.time_s);
+        let at = |values: &[f64]| sample(values, grid, time_s, 0.0);
+        let arm = (!trace.link_2_position.is_empty()).then_some(arm_m);
+        let Some(reference) = self.rotor(record, plant, arm) else { return Vec::new() };
+        let (y, v) = (at(&trace.screw_position), at(&trace.screw_speed));
+        let pull = crate::plant::pull_at(&trace.rotor_pull, grid, time_s);
+        let force = at(&trace.force_1);
+        let measured = ["force_1_n", "output_torque_nm"].iter().find_map(|c| self.channel(record, c));
+        let has_encoder = self.channel(record, "motor_angle_rad").is_some();
+        let (mut rotor, mut spring) = (Vec::with_capacity(y.len()), Vec::with_capacity(y.len()));
+        for i in 0..y.len() {
+            let lag = plant.stiffness * (reference.position[i] - y[i]);
+            let damped = plant.damping * (reference.speed[i] - v[i]);
+            let beyond = measured.map_or(lag, |m| m.position[i] - force[i]);
+            rotor.push(pull[i] + damped + if has_encoder { beyond } else { lag });
+            spring.push(beyond - lag);
+        }
+        let signal = |port: &str, values| Signal { channel: format!("{}{port}", internal::MISSING), values };
+        let mut ports = vec![signal("rotor", rotor)];
+        if measured.is_some() && has_encoder {
+            ports.push(signal("spring", spring));
+        }
+        if arm.is_some() && self.channel(record, "joint_angle_rad").is_some() {
+            let pull = crate::plant::pull_at(&trace.output_pull, grid, time_s);
+            ports.push(signal("output", pull.iter().map(|f| f * arm_m).collect()));
+        }
+        ports
+    }
+}

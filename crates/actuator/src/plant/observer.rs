@@ -1,0 +1,178 @@
+//! An observer: forces that pull a simulated plant to a measured motion, and so show the force that the model lacks.
+//!
+//! The simulated rotor is tied to the measured one by a spring and a damper, link 2 by a damper. Where the model is
+//! right they carry nothing but noise. Where a force is missing they carry that force, up to the observer's
+//! bandwidth, and the simulated motion stays near the measured one. Errors that make an open-loop simulation part from
+//! the measurement for seconds (a rotor that should have stuck) then last for one time constant only, so that the
+//! residual is a smooth function of the parameters (nudging, Luenberger 1971; in identification: Peifer and Timmer
+//! 2007, IET Systems Biology 1(2)).
+
+use super::{Grid, sample};
+
+/// A measured position with its rate, at time stamps of its own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ReferenceMotion {
+    /// m, or rad for a rotary quantity.
+    pub position: Vec<f64>,
+    /// Per second.
+    pub speed: Vec<f64>,
+}
+
+impl ReferenceMotion {
+    /// The same in another unit.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let times = |values: &[f64]| values.iter().map(|v| v * factor).collect();
+        Self { position: times(&self.position), speed: times(&self.speed) }
+    }
+
+    /// The sum of two motions on the same time stamps.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        Self { position: sum(&self.position, &other.position), speed: sum(&self.speed, &other.speed) }
+    }
+
+    /// The motion at the points of a grid.
+    #[must_use]
+    pub fn on(&self, grid: &Grid, time_s: &[f64]) -> Self {
+        let at = |values: &[f64]| resampled(time_s, values, grid);
+        Self { position: at(&self.position), speed: at(&self.speed) }
+    }
+}
+
+/// Reference motions on a simulation's grid with the gains of the pull.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Observer {
+    /// The rotor's extension, m, with stiffness (N/m) and damping (N s/m) of its pull.
+    pub rotor: Option<(ReferenceMotion, f64, f64)>,
+    /// Link 2's motion, m, with the damping (N s/m) of its pull. It has no stiffness: a joint's encoder has a zero of its
+    /// own, and its error would pull the spring.
+    pub output: Option<(ReferenceMotion, f64)>,
+}
+
+impl Observer {
+    /// Forces on the rotor and on link 2 at point `n` of the grid, N, for their positions (m) and speeds (m/s).
+    #[must_use]
+    #[inline]
+    pub fn pull(&self, n: usize, rotor: (f64, f64), output: (f64, f64)) -> (f64, f64) {
+        let on_rotor = self.rotor.as_ref().map_or(0.0, |(to, stiffness, damping)| {
+            stiffness * (to.position[n] - rotor.0) + damping * (to.speed[n] - rotor.1)
+        });
+        let on_output = self.output.as_ref().map_or(0.0, |(to, damping)| damping * (to.speed[n] - output.1));
+        (on_rotor, on_output)
+    }
+}
+
+/// Values at the points of a grid by straight lines between time stamps.
+fn resampled(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
+    let mut i = 0;
+    (0..=grid.steps)
+        .map(|n| {
+            let t = grid.time(n);
+            while i + 2 < time_s.len() && time_s[i + 1] <= t {
+                i += 1;
+            }
+            let along = ((t - time_s[i]) / (time_s[i + 1] - time_s[i])).clamp(0.0, 1.0);
+            values[i] + along * (values[i + 1] - values[i])
+        })
+        .collect()
+}
+
+/// Samples to each side that a smoothed value is taken from: at 1 kHz it follows to some 60 Hz, and the speed of an
+/// encoder of 4096 counts is known to 0.03 rad/s.
+const HALF_WINDOW: usize = 6;
+
+/// A measured signal and its rate by local parabolas (Savitzky and Golay 1964), on time stamps that may be uneven.
+///
+/// A gap much longer than the usual distance of samples ends a window.
+#[must_use]
+pub fn smoothed(time_s: &[f64], values: &[f64]) -> ReferenceMotion {
+    let last = time_s.len().saturating_sub(1);
+    let usual = (time_s[last] - time_s[0]) / last.max(1) as f64;
+    let (mut position, mut speed) = (Vec::with_capacity(last + 1), Vec::with_capacity(last + 1));
+    for i in 0..=last {
+        let (mut from, mut to) = (i, i);
+        while from > 0 && i - from < HALF_WINDOW && time_s[from] - time_s[from - 1] < 5.0 * usual {
+            from -= 1;
+        }
+        while to < last && to - i < HALF_WINDOW && time_s[to + 1] - time_s[to] < 5.0 * usual {
+            to += 1;
+        }
+        let scale = 1.0 / (HALF_WINDOW as f64 * usual);
+        let mut moment = [0.0; 5];
+        let mut right = [0.0; 3];
+        for j in from..=to {
+            let x = (time_s[j] - time_s[i]) * scale;
+            let mut power = 1.0;
+            for (k, m) in moment.iter_mut().enumerate() {
+                *m += power;
+                if k < 3 {
+                    right[k] += power * (values[j] - values[i]);
+                }
+                power *= x;
+            }
+        }
+        let [a, b] = if to - from >= 4 { parabola(&moment, &right) } else { [0.0, 0.0] };
+        position.push(values[i] + a);
+        speed.push(b * scale);
+    }
+    ReferenceMotion { position, speed }
+}
+
+/// Value and slope at 0 of the parabola of least squares.
+fn parabola(m: &[f64; 5], r: &[f64; 3]) -> [f64; 2] {
+    let det = |a: [[f64; 3]; 3]| {
+        a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0])
+            + a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0])
+    };
+    let all = det([[m[0], m[1], m[2]], [m[1], m[2], m[3]], [m[2], m[3], m[4]]]);
+    if all.abs() < 1e-12 {
+        return [0.0, 0.0];
+    }
+    let value = det([[r[0], m[1], m[2]], [r[1], m[2], m[3]], [r[2], m[3], m[4]]]);
+    let slope = det([[m[0], r[0], m[2]], [m[1], r[1], m[3]], [m[2], r[2], m[4]]]);
+    [value / all, slope / all]
+}
+
+/// [`sample`] of what an observer did, shifted to the middle of the step over which it acted.
+pub(crate) fn pull_at(values: &[f64], grid: &Grid, time_s: &[f64]) -> Vec<f64> {
+    sample(values, grid, time_s, 0.5 * grid.step_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::Plant;
+
+    #[test]
+    fn analytic_a_parabola_is_smoothed_to_itself() {
+        let time: Vec<f64> = (0..40).map(|i| 0.01 * f64::from(i) + 0.002 * f64::from(i % 3)).collect();
+        let values: Vec<f64> = time.iter().map(|t| 1.0 - 3.0 * t + 7.0 * t * t).collect();
+        let motion = smoothed(&time, &values);
+        for i in 0..40 {
+            assert!((motion.position[i] - values[i]).abs() < 1e-10, "{i}");
+            assert!((motion.speed[i] - (14.0 * time[i] - 3.0)).abs() < 1e-8, "{i}");
+        }
+    }
+
+    #[test]
+    fn analytic_the_pull_is_the_force_that_the_model_lacks() {
+        // A locked actuator of 1 kg on 400 N/m; the true one feels 5 N more, the model does not know of them.
+        let plant = Plant::new(1.0, 0.0, 30.0, 400.0);
+        let grid = Grid { start_s: 0.0, step_s: 1e-3, steps: 4000 };
+        let known: Vec<f64> = (0..4000).map(|n| 20.0 * (0.004 * f64::from(n)).sin()).collect();
+        let true_commands: Vec<f64> = known.iter().map(|f| f + 5.0).collect();
+        let truth = plant.simulate(grid, &true_commands).expect("finite");
+        let to = ReferenceMotion { position: truth.screw_position.clone(), speed: truth.screw_speed };
+        let observer = Observer { rotor: Some((to, 1600.0, 80.0)), output: None };
+        let observed = plant.observe(grid, &known, &observer).expect("finite");
+        // In rest the observer's spring and the actuator's share the 5 N: 5 * 1600 / (1600 + 400).
+        let last = observed.rotor_pull.last().copied().unwrap_or(0.0);
+        assert!((last - 4.0).abs() < 0.05, "{last}");
+        // Where nothing is missing nothing pulls.
+        let quiet = plant.observe(grid, &true_commands, &observer).expect("finite");
+        let most = quiet.rotor_pull.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        assert!(most < 0.05, "{most}");
+    }
+}

@@ -1,0 +1,438 @@
+//! What a missing signal depends on: free-form curves over signals of the run, each one linear regression, judged on
+//! blocks of the fit runs that are left out one at a time.
+//!
+//! A curve is a sum of hat functions with knots at quantiles, of harmonics of the rotor's angle, of play operators
+//! (Prandtl and Ishlinskii; Brokate and Sprekels 1996), or of the command's past. What wrong parameters of the
+//! base model could do in its place is regressed along with it and counts for none of it.
+
+use super::Candidate;
+use super::missing::Missing;
+use super::policy::{CURVE_BLOCKS, CURVE_ROWS, DEPENDS, RICHER};
+use crate::data::Data;
+use nalgebra::{DMatrix, DVector};
+use sealegs_model::internal;
+
+/// Knots of a curve.
+const KNOTS: usize = 12;
+
+/// Knots of a curve that is multiplied by another signal.
+const FEW_KNOTS: usize = 6;
+
+/// Harmonics of a turn of the rotor.
+const HARMONICS: usize = 24;
+
+/// Samples of the command's past.
+const PAST: usize = 12;
+
+/// Points at which a curve is drawn.
+const DRAWN: usize = 41;
+
+/// A curve over one signal, as it is drawn and written as a law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// The signal on the abscissa, by its name in the model, or the input channel's.
+    pub over: String,
+    /// What the curve is multiplied by: `1`, `direction` (the sign of the speed) or `deflection`.
+    pub times: &'static str,
+    /// Abscissas, ascending.
+    pub x: Vec<f64>,
+    /// The curve there, in the port's unit (over the unit of the deflection where it is multiplied by it).
+    pub y: Vec<f64>,
+    /// One standard error of it.
+    pub std: Vec<f64>,
+}
+
+/// One dependence of a missing signal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dependence {
+    /// On what: `speed`, `direction of motion`, `position`, ...
+    pub on: &'static str,
+    /// Share of the signal above its noise that it foresees on left-out blocks.
+    pub explained: f64,
+    /// Coefficients that it takes.
+    pub coefficients: usize,
+    /// Its curve, where it has one.
+    pub curve: Option<Curve>,
+}
+
+/// Signals of the scored rows that a curve can be over, thinned to what a regression needs.
+struct Rows {
+    speed: Vec<f64>,
+    direction: Vec<f64>,
+    position: Vec<f64>,
+    angle: Vec<f64>,
+    load: Vec<f64>,
+    deflection: Vec<f64>,
+    stretching: Vec<f64>,
+    time: Vec<f64>,
+    travelled: Vec<f64>,
+    plays: Vec<Vec<f64>>,
+    command: Vec<f64>,
+    past: Vec<Vec<f64>>,
+    own: Vec<f64>,
+    /// The row's block.
+    block: Vec<usize>,
+}
+
+/// How a dependence is made of the rows' signals.
+struct Form {
+    on: &'static str,
+    over: &'static str,
+    times: &'static str,
+    columns: Vec<Vec<f64>>,
+    /// Knots and the abscissa, for forms that are curves of hats.
+    knots: Option<Vec<f64>>,
+}
+
+/// The dependences of a missing signal, the one that foresees most first; empty where nothing does.
+///
+/// `nuisances` are the derivatives of the signal by the base model's parameters, run by run at the scored rows.
+#[must_use]
+pub fn dependences(
+    data: &Data,
+    observed: &Candidate,
+    missing: &Missing,
+    nuisances: &[Vec<Vec<f64>>],
+) -> Vec<Dependence> {
+    let total: usize = missing.runs.iter().map(Vec::len).sum();
+    let step = (total as f64 / CURVE_ROWS).ceil().max(1.0) as usize;
+    let thin = |runs: &[Vec<f64>]| -> Vec<f64> {
+        runs.iter().flat_map(|r| r.iter().step_by(step).copied()).collect()
+    };
+    let target = thin(&missing.runs);
+    if target.len() < 10 * KNOTS {
+        return Vec::new();
+    }
+    let rows = rows(data, observed, missing, step);
+    let mut base: Vec<Vec<f64>> = nuisances.iter().map(|n| thin(n)).collect();
+    base.push(vec![1.0; target.len()]);
+    base.retain(|c| c.len() == target.len() && c.iter().all(|v| v.is_finite()));
+    let noise = target.len() as f64 * missing.std.powi(2);
+    let alone = left_out(&base, &target, &rows.block);
+    let signal = (alone - noise).max(1e-12 * alone.max(f64::MIN_POSITIVE));
+    let mut found: Vec<Dependence> = forms(&rows, missing.port.starts_with("sensor/"))
+        .into_iter()
+        .filter(|f| f.columns.iter().flatten().all(|v| v.is_finite()))
+        .map(|form| {
+            let all: Vec<Vec<f64>> = base.iter().chain(&form.columns).cloned().collect();
+            let explained = ((alone - left_out(&all, &target, &rows.block)) / signal).clamp(0.0, 1.0);
+            let curve = form.knots.as_ref().map(|knots| curve(&form, knots, &base, &target));
+            Dependence { on: form.on, explained, coefficients: form.columns.len(), curve }
+        })
+        .filter(|d| d.explained > DEPENDS)
+        .collect();
+    found.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+    // Of those that foresee about as much, the simplest first.
+    if let Some(best) = found.first().map(|d| d.explained) {
+        let near = found.iter().take_while(|d| d.explained > best - RICHER).count();
+        found[..near].sort_by_key(|d| d.coefficients);
+    }
+    found
+}
+
+/// The forms that are tried.
+fn forms(rows: &Rows, sensor: bool) -> Vec<Form> {
+    let by = |column: Vec<f64>, factor: &[f64]| -> Vec<f64> {
+        column.iter().zip(factor).map(|(a, b)| a * b).collect()
+    };
+    let curve = |on, over, x: &[f64], knots: usize| {
+        let knots = quantiles(x, knots);
+        Form { on, over, times: "1", columns: hats(x, &knots), knots: Some(knots) }
+    };
+    let times = |on, over, times, x: &[f64], factor: &[f64]| {
+        let knots = quantiles(x, FEW_KNOTS);
+        let columns = hats(x, &knots).into_iter().map(|c| by(c, factor)).collect();
+        Form { on, over, times, columns, knots: Some(knots) }
+    };
+    let plain = |on, columns| Form { on, over: "", times: "1", columns, knots: None };
+    let mut forms = Vec::new();
+    if sensor {
+        forms.push(curve("its own value", "own", &rows.own, KNOTS));
+    }
+    let direction = &rows.direction;
+    forms.push(Form {
+        on: "direction of motion",
+        over: internal::SCREW_SPEED,
+        times: "1",
+        columns: vec![direction.clone()],
+        knots: None,
+    });
+    let mut speed = curve("speed", internal::SCREW_SPEED, &rows.speed, KNOTS);
+    speed.columns.push(direction.clone());
+    forms.push(speed);
+    forms.push(curve("position", internal::SCREW_POSITION, &rows.position, KNOTS));
+    forms.push(times("direction and position", internal::SCREW_POSITION, "direction", &rows.position, direction));
+    let load: Vec<f64> = rows.load.iter().map(|f| f.abs()).collect();
+    forms.push(times("direction and load", internal::SCREW_FORCE, "direction", &load, direction));
+    forms.push(times("direction and time", "time_s", "direction", &rows.time, direction));
+    forms.push(times("direction and travelled distance", "travelled", "direction", &rows.travelled, direction));
+    let turns = (1..=HARMONICS).flat_map(|n| {
+        let wave = |f: fn(f64) -> f64| rows.angle.iter().map(|a| f(n as f64 * a)).collect::<Vec<f64>>();
+        [wave(f64::sin), wave(f64::cos)]
+    });
+    forms.push(plain("rotor angle", turns.collect()));
+    forms.push(curve("deflection", internal::SPRING_DEFLECTION, &rows.deflection, KNOTS));
+    forms.push(curve("rate of deflection", "deflection_rate", &rows.stretching, FEW_KNOTS));
+    forms.push(times("deflection and time", "time_s", "deflection", &rows.time, &rows.deflection));
+    forms.push(plain("deflection and its history", rows.plays.clone()));
+    forms.push(curve("load", internal::SCREW_FORCE, &rows.load, KNOTS));
+    forms.push(curve("time", "time_s", &rows.time, KNOTS));
+    forms.push(curve("command", "command", &rows.command, KNOTS));
+    forms.push(times("command and time", "time_s", "command", &rows.time, &rows.command));
+    forms.push(plain("the command's past", rows.past.clone()));
+    forms
+}
+
+/// The signals of a port's place, thinned.
+fn rows(data: &Data, observed: &Candidate, missing: &Missing, step: usize) -> Rows {
+    let predictions = &observed.fit.evaluation.predictions;
+    let thinned = |values: &[f64], run: usize| -> Vec<f64> {
+        let rows: Vec<usize> = data.runs[run].rows().collect();
+        rows.iter().step_by(step).map(|&i| values.get(i).copied().unwrap_or(0.0)).collect()
+    };
+    let of = |name: &str| -> Vec<f64> {
+        (0..predictions.len())
+            .flat_map(|run| thinned(predictions[run].internal_at(&missing.place, name).unwrap_or(&[]), run))
+            .collect()
+    };
+    let each = |f: &dyn Fn(usize) -> Vec<f64>| -> Vec<f64> {
+        (0..data.runs.len()).flat_map(|run| thinned(&f(run), run)).collect()
+    };
+    let inside = |run: usize, name: &str| -> Vec<f64> {
+        let rows = data.runs[run].record.len();
+        let values = predictions[run].internal_at(&missing.place, name);
+        values.map_or_else(|| vec![0.0; rows], <[f64]>::to_vec)
+    };
+    let output = missing.port == "output";
+    let speed_name = if output { internal::JOINT_ANGLE } else { internal::SCREW_SPEED };
+    let speed_of = |run: usize| -> Vec<f64> {
+        if output { rate(&inside(run, speed_name), &data.runs[run].record.time_s) } else { inside(run, speed_name) }
+    };
+    let speed = each(&speed_of);
+    // Below a hundredth of the usual speed a direction is noise.
+    let slow = 0.01 * (speed.iter().map(|v| v * v).sum::<f64>() / speed.len().max(1) as f64).sqrt() + 1e-12;
+    let mut deepest: f64 = 0.0;
+    let deflection = of(internal::SPRING_DEFLECTION);
+    deflection.iter().for_each(|d| deepest = deepest.max(d.abs()));
+    let command_of = |run: usize| -> Vec<f64> {
+        let inputs = &data.runs[run].record.inputs;
+        let own = inputs.iter().find(|s| s.channel.starts_with(missing.place.as_str())).or(inputs.first());
+        own.map_or_else(|| inside(run, internal::MOTOR_FORCE), |s| s.values.clone())
+    };
+    let late = |run: usize, by: usize| -> Vec<f64> {
+        let u = command_of(run);
+        (0..u.len()).map(|i| u[i.saturating_sub(by)] - u[i]).collect()
+    };
+    let mut block = Vec::new();
+    for run in 0..data.runs.len() {
+        let rows = data.runs[run].scored_rows().div_ceil(step);
+        let blocks = (CURVE_BLOCKS / data.runs.len() as f64).ceil().max(2.0) as usize;
+        block.extend((0..rows).map(|i| run * blocks + i * blocks / rows.max(1)));
+    }
+    let channel = missing.port.strip_prefix("sensor/").unwrap_or("");
+    let full = if missing.place.is_empty() { channel.to_owned() } else { format!("{}.{channel}", missing.place) };
+    let position = if output { of(internal::JOINT_ANGLE) } else { of(internal::SCREW_POSITION) };
+    Rows {
+        direction: speed.iter().map(|v| (v / slow).tanh()).collect(),
+        position,
+        angle: of(internal::ROTOR_ANGLE),
+        load: of(internal::SCREW_FORCE),
+        stretching: each(&|run| {
+            rate(&inside(run, internal::SPRING_DEFLECTION), &data.runs[run].record.time_s)
+        }),
+        plays: (1..=FEW_KNOTS)
+            .map(|k| {
+                let width = deepest * k as f64 / (FEW_KNOTS + 1) as f64;
+                each(&|run| play(&inside(run, internal::SPRING_DEFLECTION), width))
+            })
+            .collect(),
+        time: each(&|run| data.runs[run].record.time_s.clone()),
+        travelled: each(&|run| {
+            let mut sum = 0.0;
+            speed_of(run).iter().map(|v| { sum += v.abs(); sum }).collect()
+        }),
+        command: each(&command_of),
+        past: (1..=PAST).map(|by| each(&|run| late(run, by))).collect(),
+        own: each(&|run| predictions[run].output(&full).map_or_else(Vec::new, <[f64]>::to_vec)),
+        speed,
+        deflection,
+        block,
+    }
+}
+
+/// Rate of a signal by central differences.
+fn rate(values: &[f64], time_s: &[f64]) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    (0..values.len())
+        .map(|i| {
+            let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
+            if b > a { (values[b] - values[a]) / (time_s[b] - time_s[a]) } else { 0.0 }
+        })
+        .collect()
+}
+
+/// A play operator: follows its input with slack `width` to either side.
+fn play(input: &[f64], width: f64) -> Vec<f64> {
+    let mut at = 0.0_f64;
+    input.iter().map(|&x| { at = at.clamp(x - width, x + width); at }).collect()
+}
+
+/// Knots at quantiles, each once.
+fn quantiles(x: &[f64], knots: usize) -> Vec<f64> {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len() - 1;
+    let mut at: Vec<f64> = (0..knots).map(|k| sorted[k * last / (knots - 1)]).collect();
+    let apart = 1e-3 * (sorted[last] - sorted[0]);
+    at.dedup_by(|b, a| *b - *a <= apart);
+    at
+}
+
+/// Hat functions at knots, one column each.
+fn hats(x: &[f64], knots: &[f64]) -> Vec<Vec<f64>> {
+    let mut columns = vec![vec![0.0; x.len()]; knots.len()];
+    for (i, &v) in x.iter().enumerate() {
+        let k = knots.partition_point(|&knot| knot <= v).clamp(1, knots.len().max(2) - 1);
+        if knots.len() < 2 {
+            columns[0][i] = 1.0;
+            continue;
+        }
+        let along = ((v - knots[k - 1]) / (knots[k] - knots[k - 1])).clamp(0.0, 1.0);
+        columns[k - 1][i] = 1.0 - along;
+        columns[k][i] = along;
+    }
+    columns
+}
+
+/// `A` and `b` of the normal equations over some rows, columns in their own size.
+fn normal(columns: &[Vec<f64>], target: &[f64], rows: impl Iterator<Item = usize>) -> (DMatrix<f64>, DVector<f64>) {
+    let n = columns.len();
+    let (mut a, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for i in rows {
+        for k in 0..n {
+            let c = columns[k][i];
+            if c == 0.0 {
+                continue;
+            }
+            b[k] += c * target[i];
+            for l in k..n {
+                a[(k, l)] += c * columns[l][i];
+            }
+        }
+    }
+    for k in 0..n {
+        for l in 0..k {
+            a[(k, l)] = a[(l, k)];
+        }
+    }
+    (a, b)
+}
+
+/// Solves the normal equations; directions about which nothing is known stay at zero.
+fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+    let n = b.len();
+    let scale: Vec<f64> = (0..n).map(|k| 1.0 / a[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let mut scaled = DMatrix::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j]);
+    (0..n).for_each(|k| scaled[(k, k)] += 1e-6);
+    let right = DVector::from_fn(n, |i, _| b[i] * scale[i]);
+    let solution = scaled.cholesky().map_or_else(|| DVector::zeros(n), |c| c.solve(&right));
+    DVector::from_fn(n, |i, _| solution[i] * scale[i])
+}
+
+/// Sum of squares that is left of blocks, each foreseen by the others.
+fn left_out(columns: &[Vec<f64>], target: &[f64], block: &[usize]) -> f64 {
+    let n = columns.len();
+    let blocks = block.iter().max().map_or(0, |b| b + 1);
+    let of = |k: usize| (0..target.len()).filter(move |&i| block[i] == k);
+    let parts: Vec<_> = (0..blocks).map(|k| normal(columns, target, of(k))).collect();
+    let zero = (DMatrix::zeros(n, n), DVector::zeros(n));
+    let (a, b) = parts.iter().fold(zero, |(a, b), part| (a + &part.0, b + &part.1));
+    let mut squares = 0.0;
+    for (k, part) in parts.iter().enumerate() {
+        let x = solve(&(&a - &part.0), &(&b - &part.1));
+        for i in of(k) {
+            let said: f64 = (0..n).map(|c| x[c] * columns[c][i]).sum();
+            squares += (target[i] - said).powi(2);
+        }
+    }
+    squares
+}
+
+/// The curve of a form of hats with its standard error, from all rows.
+fn curve(form: &Form, knots: &[f64], base: &[Vec<f64>], target: &[f64]) -> Curve {
+    let all: Vec<Vec<f64>> = base.iter().chain(&form.columns).cloned().collect();
+    let (a, b) = normal(&all, target, 0..target.len());
+    let x = solve(&a, &b);
+    let squares: f64 = (0..target.len())
+        .map(|i| (target[i] - (0..all.len()).map(|c| x[c] * all[c][i]).sum::<f64>()).powi(2))
+        .sum();
+    let variance = squares / (target.len() - all.len()).max(1) as f64;
+    let n = all.len();
+    let mut regular = a;
+    (0..n).for_each(|k| regular[(k, k)] *= 1.0 + 1e-6);
+    let inverse = regular.try_inverse().unwrap_or_else(|| DMatrix::zeros(n, n));
+    let (low, high) = (knots[0], knots[knots.len() - 1]);
+    let at: Vec<f64> = (0..DRAWN).map(|i| low + (high - low) * i as f64 / (DRAWN - 1) as f64).collect();
+    let drawn = hats(&at, knots);
+    let extra = form.columns.len() - knots.len();
+    let value = |i: usize| -> f64 {
+        let hat: f64 = (0..knots.len()).map(|k| x[base.len() + k] * drawn[k][i]).sum();
+        // Beside the hats of the speed there is its direction.
+        hat + if extra > 0 { x[n - 1] * at[i].signum() } else { 0.0 }
+    };
+    let error = |i: usize| -> f64 {
+        let mut sum = 0.0;
+        for k in 0..knots.len() {
+            for l in 0..knots.len() {
+                sum += drawn[k][i] * drawn[l][i] * inverse[(base.len() + k, base.len() + l)];
+            }
+        }
+        (variance * sum.max(0.0)).sqrt()
+    };
+    Curve {
+        over: form.over.to_owned(),
+        times: form.times,
+        y: (0..DRAWN).map(value).collect(),
+        std: (0..DRAWN).map(error).collect(),
+        x: at,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::Noise;
+
+    #[test]
+    fn analytic_hats_reproduce_a_line_and_sum_to_one() {
+        let x: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01 - 1.0).collect();
+        let knots = quantiles(&x, KNOTS);
+        let columns = hats(&x, &knots);
+        for i in 0..x.len() {
+            let line: f64 = (0..knots.len()).map(|k| columns[k][i] * knots[k]).sum();
+            let one: f64 = (0..knots.len()).map(|k| columns[k][i]).sum();
+            assert!((line - x[i]).abs() < 1e-12 && (one - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_curve_foresees_left_out_blocks_and_noise_does_not() {
+        let mut noise = Noise::new(1);
+        let x: Vec<f64> = (0..4000).map(|_| 2.0 * noise.uniform() - 1.0).collect();
+        let target: Vec<f64> = x.iter().map(|v| v.abs() + 0.1 * noise.normal()).collect();
+        let block: Vec<usize> = (0..4000).map(|i| i / 400).collect();
+        let one = vec![vec![1.0; 4000]];
+        let knots = quantiles(&x, KNOTS);
+        let with: Vec<Vec<f64>> = one.iter().cloned().chain(hats(&x, &knots)).collect();
+        let (alone, left) = (left_out(&one, &target, &block), left_out(&with, &target, &block));
+        // |x| has the variance 1/12; the noise 0.01, and the hats cost 12 of 4000 degrees of freedom.
+        assert!((left / 4000.0 - 0.01).abs() < 0.001 && alone / 4000.0 > 0.08, "{left} {alone}");
+        let pure: Vec<f64> = (0..4000).map(|_| noise.normal()).collect();
+        assert!(left_out(&with, &pure, &block) >= 0.999 * left_out(&one, &pure, &block));
+    }
+
+    #[test]
+    fn analytic_a_play_operator_follows_behind_its_slack() {
+        assert_eq!(play(&[0.0, 2.0, 1.5, -1.0], 0.5), [0.0, 1.5, 1.5, -0.5]);
+    }
+}

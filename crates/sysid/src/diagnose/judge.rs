@@ -1,0 +1,277 @@
+//! The verdict: what the holdout runs, read here for the first time, say of the base model and of the set that was chosen.
+
+use super::compare::{excess, runs_helped};
+use super::policy::{
+    ADEQUATE, EXPLAINED, HOLDS_UP, LEFT_SHARE, LITTLE_LEFT, MOST_OF_IT, NAMED_SHARE, WITHIN_UNCERTAINTY,
+    WORTH_NAMING,
+};
+use super::search::all_but;
+use super::{Candidate, Found};
+use crate::Error;
+use crate::data::{Data, Evaluation};
+use crate::locate::remainder;
+use rayon::prelude::*;
+
+/// Said where the fit runs are at the floor and the holdout runs are not.
+const ONLY_HELD_OUT: &str = "The fit runs are at the noise floor: what is missing shows in held-out runs only. Give one of \
+                             those where it shows the role 'fit', and diagnose again.";
+
+/// Sets in a ranking.
+const RANKED: usize = 16;
+
+/// What was found out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VerdictKind {
+    /// The refitted base model is at the noise floor.
+    Adequate,
+    /// The effects explain what the base model does not.
+    MissingEffect,
+    /// The effects help on held-out data, but a structured remainder stays.
+    PartlyExplained,
+    /// No known effect helps on held-out data.
+    Unexplained,
+}
+
+impl VerdictKind {
+    /// The name in files.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Adequate => "adequate",
+            Self::MissingEffect => "missing-effect",
+            Self::PartlyExplained => "partly-explained",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// A fitted set with its error on the holdout runs.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// Index in [`Found::tried`].
+    pub index: usize,
+    /// Root mean square residual on the holdout runs, in noise units.
+    pub holdout_error: f64,
+    /// Half the fall of the sum of squared residuals on left-out stretches of the fit runs against the base
+    /// model, in units of the mean squared residual that is left (at least 1): a log-likelihood ratio.
+    pub evidence: f64,
+}
+
+/// A step of the ladder from the base model to the named set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// The effects so far, in the order of what they take.
+    pub effects: Vec<String>,
+    /// Root mean square residual of the holdout runs, in noise units.
+    pub holdout_error: f64,
+    /// The same of the fit runs.
+    pub fit_error: f64,
+}
+
+/// The verdict with its numbers.
+#[derive(Debug, Clone)]
+pub struct Verdict {
+    /// What was found out.
+    pub kind: VerdictKind,
+    /// The effects that are named.
+    pub effects: Vec<String>,
+    /// Effects that help significantly and take less than [`NAMED_SHARE`] of the base model's held-out error.
+    pub traces: Vec<String>,
+    /// The errors from the base model to the named set, one effect after the other.
+    pub ladder: Vec<Rung>,
+    /// Other sets that these data cannot tell from them.
+    pub indistinguishable: Vec<Vec<String>>,
+    /// Sets that are the named one by another name (see [`Found::same`]).
+    pub same_by_another_name: Vec<Vec<String>>,
+    /// Noise floor, in noise units.
+    pub floor: f64,
+    /// The base model.
+    pub base: Judged,
+    /// The named set; the base model where nothing is named.
+    pub after: Judged,
+    /// The base model on the holdout runs.
+    pub base_holdout: Evaluation,
+    /// The named set on the holdout runs.
+    pub after_holdout: Evaluation,
+    /// Part of the residual energy above the floor that is left.
+    pub unexplained_share: f64,
+    /// What is left and not explained, in sentences; empty where nothing is.
+    pub remainder: Vec<String>,
+    /// All sets worth showing, best first.
+    pub ranking: Vec<Judged>,
+}
+
+/// Judges what was found on the holdout runs, once.
+pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
+    let floor = holdout.floor;
+    let held_out = |i: usize| found.tried[i].held_out(holdout);
+    let base = &found.tried[0];
+    let base_holdout = held_out(0)?;
+    let (index, traces) = named(found, &held_out, (base_holdout.rms, floor))?;
+    let chosen = &found.tried[index];
+    let chosen_holdout = held_out(index)?;
+    let missing = excess(base_holdout.rms, floor);
+    let share =
+        if missing > 0.0 { (excess(chosen_holdout.rms, floor) / missing).min(1.0) } else { 0.0 };
+    let left = (chosen_holdout.rms - floor) / (base_holdout.rms - floor).max(1e-9);
+    let kind = if chosen.effects.is_empty() {
+        let near = base_holdout.rms <= EXPLAINED * floor
+            && excess(base_holdout.rms, floor) <= WITHIN_UNCERTAINTY * uncertainty(holdout, base, &base_holdout)?;
+        let fits = base.fit.error() <= ADEQUATE * floor && (base_holdout.rms <= ADEQUATE * floor || near);
+        if fits { VerdictKind::Adequate } else { VerdictKind::Unexplained }
+    } else if chosen_holdout.rms <= EXPLAINED * floor || left < LEFT_SHARE {
+        VerdictKind::MissingEffect
+    } else {
+        let (helped, all) = runs_helped(&base_holdout, &chosen_holdout);
+        let helps = share <= 1.0 - MOST_OF_IT || (share <= 1.0 - WORTH_NAMING && helped == all);
+        let partly = helps && holds_up(share, base, chosen, floor);
+        if partly { VerdictKind::PartlyExplained } else { VerdictKind::Unexplained }
+    };
+    let says = matches!(kind, VerdictKind::MissingEffect | VerdictKind::PartlyExplained);
+    let judged = |index: usize, evaluation: &Evaluation| {
+        let c = &found.tried[index];
+        let compared = if c.exact { &base.validation } else { &found.base_as_searched };
+        let fall = compared.mean_square() - c.validation.mean_square();
+        let left = c.validation.mean_square().max(1.0);
+        let evidence = 0.5 * fall * c.validation.residuals as f64 / left;
+        Judged { index, holdout_error: evaluation.rms, evidence }
+    };
+    let mut order: Vec<usize> = (1..found.tried.len()).collect();
+    let mean = |i: usize| found.tried[i].validation.mean_square();
+    order.sort_by(|&a, &b| mean(a).total_cmp(&mean(b)));
+    order.truncate(RANKED);
+    let ranking: Vec<Option<Judged>> =
+        order.par_iter().map(|&i| held_out(i).ok().map(|e| judged(i, &e))).collect();
+    let base_judged = judged(0, &base_holdout);
+    let ladder = if says { ladder(found, index, &held_out) } else { rungs(found, &[0], &held_out) };
+    let (after, after_holdout) = if says {
+        (judged(index, &chosen_holdout), chosen_holdout)
+    } else {
+        (base_judged.clone(), base_holdout.clone())
+    };
+    let open = matches!(kind, VerdictKind::PartlyExplained | VerdictKind::Unexplained);
+    let mut remainder = if open { remainder(&[(holdout, &after_holdout)]) } else { Vec::new() };
+    if open && found.tried[after.index].fit.error() <= ADEQUATE * floor {
+        remainder.insert(0, ONLY_HELD_OUT.to_owned());
+    }
+    let effects = if says { found.tried[index].effects.clone() } else { Vec::new() };
+    let sets = |indices: &[usize]| -> Vec<Vec<String>> {
+        // Beside a set that lost a trace its ties have lost theirs.
+        let of_size = |i: &&usize| found.tried[**i].effects.len() <= effects.len() && **i != index;
+        indices.iter().filter(of_size).map(|&i| found.tried[i].effects.clone()).collect()
+    };
+    let (tied, same) = if says { (sets(&found.tied), sets(&found.same)) } else { Default::default() };
+    Ok(Verdict {
+        kind,
+        effects,
+        traces: if says { traces } else { Vec::new() },
+        ladder,
+        indistinguishable: tied,
+        same_by_another_name: same,
+        floor,
+        base: base_judged,
+        after,
+        base_holdout,
+        after_holdout,
+        unexplained_share: if says { share } else { 1.0 },
+        remainder,
+        ranking: ranking.into_iter().flatten().collect(),
+    })
+}
+
+type HeldOut<'a> = dyn Fn(usize) -> Result<Evaluation, Error> + 'a;
+
+/// The chosen set without its traces, and these.
+fn named(
+    found: &Found,
+    held_out: &HeldOut,
+    (base, floor): (f64, f64),
+) -> Result<(usize, Vec<String>), Error> {
+    let (mut index, mut traces) = (found.chosen, Vec::new());
+    let least = NAMED_SHARE * (base - floor).max(0.0);
+    loop {
+        let effects = &found.tried[index].effects;
+        if effects.len() < 2 {
+            return Ok((index, traces));
+        }
+        let error = held_out(index)?.rms;
+        let mut next: Option<(usize, &String, f64)> = None;
+        for effect in effects {
+            let Some(rest) = found.index_of(&all_but(effects, effect)) else { continue };
+            let taken = held_out(rest)?.rms - error;
+            if taken < least && next.is_none_or(|(.., other)| taken < other) {
+                next = Some((rest, effect, taken));
+            }
+        }
+        let Some((rest, effect, _)) = next else { return Ok((index, traces)) };
+        traces.push(effect.clone());
+        index = rest;
+    }
+}
+
+/// The errors from the base model to a set: at each step the effect that takes most, as far as its sets were fitted.
+fn ladder(found: &Found, last: usize, held_out: &HeldOut) -> Vec<Rung> {
+    let mut steps = vec![last];
+    while let Some(&index) = steps.last().filter(|&&i| !found.tried[i].effects.is_empty()) {
+        let effects = &found.tried[index].effects;
+        let without = effects.iter().filter_map(|e| found.index_of(&all_but(effects, e)));
+        let error = |i: usize| held_out(i).map_or(f64::INFINITY, |e| e.rms);
+        match without.map(|i| (i, error(i))).min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((next, _)) => steps.push(next),
+            None => steps.push(0),
+        }
+    }
+    steps.reverse();
+    rungs(found, &steps, held_out)
+}
+
+fn rungs(found: &Found, steps: &[usize], held_out: &HeldOut) -> Vec<Rung> {
+    let mut order: Vec<String> = Vec::new();
+    steps
+        .iter()
+        .filter_map(|&i| {
+            let set = &found.tried[i];
+            order.extend(set.effects.iter().filter(|e| !order.contains(e)).cloned().collect::<Vec<_>>());
+            let holdout_error = held_out(i).ok()?.rms;
+            Some(Rung { effects: order.clone(), holdout_error, fit_error: set.fit.error() })
+        })
+        .collect()
+}
+
+/// Whether what effects gain on the fit runs holds up on the held-out ones, of whose energy a share is left.
+fn holds_up(share: f64, base: &Candidate, with: &Candidate, floor: f64) -> bool {
+    let left = |c: &Candidate| excess(c.fit.error(), floor);
+    with.fit.error() <= EXPLAINED * floor
+        || share <= LITTLE_LEFT
+        || share * left(base) <= HOLDS_UP * left(with)
+}
+
+/// The mean squared error, in squared noise units, that the uncertainty of a fit's values makes one expect on held-out
+/// runs: `tr(J C J') / N` with the fit's covariance `C` and differences by a standard error for `J`.
+fn uncertainty(holdout: &Data, candidate: &Candidate, at: &Evaluation) -> Result<f64, Error> {
+    let fit = &candidate.fit;
+    let residual = |values: &[f64]| -> Result<Vec<f64>, Error> {
+        let moved = holdout.judge(candidate.model.as_ref(), values, fit.sensors())?;
+        Ok(moved.blocks.into_iter().flat_map(|b| b.residual).collect())
+    };
+    let here: Vec<f64> = at.blocks.iter().flat_map(|b| b.residual.iter().copied()).collect();
+    let columns: Vec<Vec<f64>> = fit
+        .free
+        .par_iter()
+        .map(|&i| {
+            let (p, std) = (&candidate.model.parameters()[i], fit.parameters[i].std);
+            let mut values = fit.values.clone();
+            let up = values[i] + std <= p.max;
+            values[i] = (values[i] + if up { std } else { -std }).clamp(p.min, p.max);
+            let sign = if up { 1.0 } else { -1.0 };
+            Ok(residual(&values)?.iter().zip(&here).map(|(a, b)| sign * (a - b)).collect())
+        })
+        .collect::<Result<_, Error>>()?;
+    let mut sum = 0.0;
+    for (i, a) in columns.iter().enumerate() {
+        for (j, b) in columns.iter().enumerate() {
+            sum += fit.correlation(i, j) * crate::fit::dot(a, b);
+        }
+    }
+    Ok(sum.max(0.0) / here.len().max(1) as f64)
+}

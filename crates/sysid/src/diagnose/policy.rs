@@ -1,0 +1,112 @@
+//! Every threshold of a diagnosis, each with where it comes from; a verdict's provenance lists them all.
+
+/// Declares the thresholds and the table that lists them.
+macro_rules! policy {
+    ($($(#[doc = $doc:literal])+ $name:ident = $value:expr;)+) => {
+        $($(#[doc = $doc])+ pub(crate) const $name: f64 = $value;)+
+
+        /// The thresholds by name, with their values and their reasons.
+        #[must_use]
+        pub fn policy() -> Vec<(&'static str, f64, &'static str)> {
+            vec![$((stringify!($name), $value, concat!($($doc),+).trim_ascii())),+]
+        }
+    };
+}
+
+policy! {
+    /// Error over the noise floor up to which nothing more is searched: a stated noise is rounded, and an encoder's
+    /// quantum is not quite white.
+    AT_FLOOR = 1.01;
+    /// The same on left-out stretches, where every parameter costs a little.
+    NEAR_FLOOR = 1.05;
+    /// Error over the floor on held-out runs up to which a model is adequate: 5 % more than the noise is what a stated
+    /// noise of one digit can be off.
+    ADEQUATE = 1.05;
+    /// Error over the floor on held-out runs up to which effects explain everything: what the fitted values' own
+    /// uncertainty adds on runs of other amplitudes.
+    EXPLAINED = 1.25;
+    /// Mean square above the floor on held-out runs, in units of what the uncertainty of the fitted values makes one
+    /// expect, up to which it says nothing against the model; few directions make most of it.
+    WITHIN_UNCERTAINTY = 3.0;
+    /// Share of the base model's held-out error above the floor that an effect must take to be named; the contract's.
+    NAMED_SHARE = 0.01;
+    /// Share of the base model's held-out error above the floor that may stay under the verdict `missing-effect`; the
+    /// contract's.
+    LEFT_SHARE = 0.01;
+    /// Share of the missing energy on held-out runs that a set must take to be named where much stays: less is within
+    /// what flexible laws take of anything.
+    WORTH_NAMING = 0.25;
+    /// The same from which on it is named even if one held-out run gains nothing.
+    MOST_OF_IT = 0.5;
+    /// Share of the missing energy that a set leaves on held-out runs over the share that it leaves on fit runs, beyond
+    /// which it bent to the runs that it was fitted to.
+    HOLDS_UP = 3.0;
+    /// Share that it may leave on held-out runs in any case.
+    LITTLE_LEFT = 0.1;
+    /// Least gain in the mean squared residual, in squared floors, that is worth an effect: two integrators of the same
+    /// physics differ by that.
+    WORTH_SQUARED_NOISE = 0.006;
+    /// Least share of what is unexplained on left-out stretches that is worth an effect: one standard error of a mean
+    /// over some thirty independent stretches.
+    WORTH_SHARE = 0.03;
+    /// The same of what a fit leaves, which is known better.
+    WORTH_SHARE_FITTED = 0.05;
+    /// Least gain in the sum of squares per further parameter, in units of the mean squared residual: a likelihood
+    /// ratio that chance passes once in 10 000 for each of some hundred laws and places tried.
+    WORTH_PER_PARAMETER = 15.0;
+    /// Share of what is gained on some left-out stretches that may be lost on others.
+    MOST_OPPOSED = 0.4;
+    /// Cost over the chosen set's above which a set is no tie, whatever is foreseen.
+    TIED_COST = 1.1;
+    /// Effects in a set: a rig with more unknowns needs other experiments first.
+    MOST_EFFECTS = 4.0;
+    /// Starting values of an effect in the first look of the screening.
+    STARTS = 24.0;
+    /// The same on a model with many parameters, where a simulation is dear.
+    STARTS_DEAR = 3.0;
+    /// Single effects that are fitted beside a set.
+    SHORTLIST = 6.0;
+    /// Pairs that are fitted beside a set.
+    SHORTLIST_PAIRS = 4.0;
+    /// Effects that may be half of a pair, by what each promises alone.
+    PAIRED = 14.0;
+    /// Share of what is left that a pair must promise beyond its better half.
+    PAIR_WORTH = 0.1;
+    /// Steps of a fit under the observer, which leads to the neighbourhood of the solution.
+    OBSERVED_STEPS = 8.0;
+    /// Steps of a fit in the search.
+    STEPS = 20.0;
+    /// Most steps with the model itself where derivatives are dear.
+    DEAR_STEPS = 8.0;
+    /// Integration steps per sampling period in the search; what it finds is fitted again with the model itself.
+    STEPS_PER_SAMPLE = 4.0;
+    /// The same in screening.
+    SCREEN_STEPS_PER_SAMPLE = 2.0;
+    /// How far an amplitude is trusted beyond the value that was simulated.
+    FARTHEST = 3.0;
+    /// Least share of the value that was simulated with which a fit starts: closer to nothing a search would not leave it.
+    NEAREST = 0.2;
+    /// Error over the floor beyond which other places than the nearest minimum are looked at.
+    FAR_ABOVE = 1.2;
+    /// Missing signal over its uncertainty from which on a port is said to lack something.
+    PORT_FELT = 2.0;
+    /// Rows of a free-form regression: more add correlated samples only.
+    CURVE_ROWS = 6000.0;
+    /// Blocks that are left out one at a time in a free-form regression.
+    CURVE_BLOCKS = 10.0;
+    /// Held-out share of a missing signal from which on a dependence is said.
+    DEPENDS = 0.1;
+    /// Gain in held-out share that a richer dependence must bring over a simpler one.
+    RICHER = 0.02;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::policy;
+
+    #[test]
+    fn every_threshold_has_a_reason() {
+        let all = policy();
+        assert!(all.len() > 20 && all.iter().all(|(_, value, why)| value.is_finite() && why.len() > 20));
+    }
+}

@@ -1,0 +1,207 @@
+//! Fits of sets of effects: under an observer first, where the error is smooth, then open loop, where it counts.
+//!
+//! Whole runs in open loop have many local minima where a rotor sticks, play rattles or a limit is reached. Under an
+//! observer (see [`Model::observing`]) an error lasts for one of its time constants only. What is fitted there begins the
+//! fit in open loop, which alone is validated, compared and judged.
+
+use super::policy::{DEAR_STEPS, FAR_ABOVE, OBSERVED_STEPS, STARTS, STEPS, STEPS_PER_SAMPLE};
+use super::screen::{Known, screen};
+use super::{Candidate, count, values_by_name, with_effects};
+use crate::Error;
+use crate::data::Data;
+use crate::fit::{self, Difference, Fit, FitOptions};
+use sealegs_model::{Excitation, Model, Record};
+
+/// Gain of a step with which a fit in a search is content (see [`FitOptions::tolerance`]).
+const TOLERANCE: f64 = 0.05;
+
+/// The same where only the neighbourhood is wanted, or derivatives are dear.
+const ROUGH_TOLERANCE: f64 = 3.0;
+
+/// A base model in the forms in which a diagnosis uses it, with the fit runs.
+pub struct Models<'a> {
+    /// The fit runs.
+    pub data: &'a Data<'a>,
+    /// The model itself.
+    pub exact: &'a dyn Model,
+    /// As the search integrates it.
+    pub coarse: Box<dyn Model>,
+    /// The same under an observer, where the runs measure a motion to follow.
+    pub observed: Option<Box<dyn Model>>,
+    /// What the fit runs measured and how hard they drove the model.
+    pub seen: Excitation,
+    /// Whether a simulation is dear: derivatives are then taken no more often than they must.
+    pub dear: bool,
+}
+
+impl<'a> Models<'a> {
+    /// The forms of a model for some runs.
+    #[must_use]
+    pub fn new(data: &'a Data<'a>, exact: &'a dyn Model) -> Self {
+        let coarse = exact.coarser(STEPS_PER_SAMPLE);
+        let records: Vec<&Record> = data.runs.iter().map(|r| r.record).collect();
+        let observed = coarse.observing(&records);
+        let dear = fit::has_many_parameters(exact);
+        Self { data, exact, coarse, observed, seen: Excitation::default(), dear }
+    }
+
+    /// The base model's own fit in open loop, every discrete choice tried; and what it saw.
+    ///
+    /// # Errors
+    ///
+    /// As [`fit::fit`].
+    pub fn base(&mut self) -> Result<Candidate, Error> {
+        let fit = count::fit_holding(self.data, self.coarse.as_ref(), &FitOptions::of(self.exact))?;
+        self.seen = self.data.excitation(&fit.evaluation.predictions);
+        let mut base = Candidate::of_base(self.data, self.coarse.as_ref(), fit);
+        // Where the search's steps are the model's own there is nothing to polish.
+        let exactly = self.data.predict(self.exact, &base.fit.values);
+        base.exact = exactly.is_ok_and(|p| p == base.fit.evaluation.predictions);
+        Ok(base)
+    }
+
+    fn options(&self, model: &dyn Model, start: Vec<f64>, near: &Candidate) -> FitOptions {
+        FitOptions {
+            start: Some(start),
+            starts: 1,
+            max_steps: STEPS as usize,
+            tolerance: if self.dear { ROUGH_TOLERANCE } else { TOLERANCE },
+            difference: Difference::Forward,
+            secants: self.dear,
+            columns: self.dear.then(|| near.columns()),
+            held: count::held(model),
+            ..FitOptions::default()
+        }
+    }
+
+    /// A candidate fitted under the observer, from its own values: what screening looks beside. The candidate itself
+    /// where there is no observer.
+    #[must_use]
+    pub fn observing(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
+        let observed = self.observed.as_deref()?;
+        let model = with_effects(observed, &candidate.effects, &self.seen).ok()?;
+        let start = values_by_name(model.as_ref(), known);
+        let options = FitOptions {
+            max_steps: OBSERVED_STEPS as usize,
+            tolerance: ROUGH_TOLERANCE,
+            columns: None,
+            secants: false,
+            ..self.options(model.as_ref(), start, candidate)
+        };
+        let fit = fit::fit(self.data, model.as_ref(), &options).ok()?;
+        Some(Candidate { model, fit, ..candidate.clone() })
+    }
+
+    /// A set fitted from values by name: under the observer, then in open loop from there, or from the values
+    /// themselves where these are nearer. `None` if nothing can be simulated.
+    #[must_use]
+    pub fn fitted(&self, near: &Candidate, effects: &[String], known: &Known) -> Option<Candidate> {
+        let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
+        let mut starts = vec![values_by_name(model.as_ref(), known)];
+        if let Some(observed) = &self.observed {
+            let observed = with_effects(observed.as_ref(), effects, &self.seen).ok()?;
+            let from = with_nominal_base(self.exact, known);
+            let options = FitOptions {
+                max_steps: OBSERVED_STEPS as usize,
+                tolerance: ROUGH_TOLERANCE,
+                ..self.options(observed.as_ref(), values_by_name(observed.as_ref(), &from), near)
+            };
+            starts.extend(fit::fit(self.data, observed.as_ref(), &options).ok().map(|f| f.values));
+        }
+        let cost = |values: &Vec<f64>| {
+            self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost)
+        };
+        let costs: Vec<f64> = starts.iter().map(cost).collect();
+        let best = (0..starts.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a })?;
+        let start = starts.swap_remove(best);
+        let options = self.options(model.as_ref(), start, near);
+        let fitted = Candidate::fitted(self.data, effects.to_vec(), model, &options).ok()?;
+        Some(self.tuned(fitted))
+    }
+
+    /// A set fitted in open loop from values by name.
+    #[must_use]
+    pub fn fitted_near(&self, near: &Candidate, effects: &[String], known: &Known) -> Option<Candidate> {
+        let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
+        let start = values_by_name(model.as_ref(), known);
+        let options = self.options(model.as_ref(), start, near);
+        Candidate::fitted(self.data, effects.to_vec(), model, &options).ok()
+    }
+
+    /// The candidate with its counts looked for again nearby.
+    fn tuned(&self, candidate: Candidate) -> Candidate {
+        if self.dear {
+            return candidate;
+        }
+        count::tuned(self.data, candidate, |near, known| self.fitted_near(near, &near.effects, &known.to_vec()))
+    }
+
+    /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors.
+    #[must_use]
+    pub fn polished(&self, candidate: &Candidate) -> Candidate {
+        let polish = || -> Result<Candidate, Error> {
+            let model = with_effects(self.exact, &candidate.effects, &self.seen)?;
+            let usual = FitOptions::of(self.exact);
+            let options = FitOptions {
+                start: Some(candidate.fit.values.clone()),
+                starts: 1,
+                columns: usual.secants.then(|| candidate.columns()),
+                max_steps: if self.dear { DEAR_STEPS as usize } else { usual.max_steps },
+                last: true,
+                ..usual
+            };
+            let fit = count::fit_holding(self.data, model.as_ref(), &options)?;
+            Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
+        };
+        polish().unwrap_or_else(|_| candidate.clone())
+    }
+
+    /// Whether a fit leaves so much that another start is worth its price.
+    #[must_use]
+    pub fn is_far(&self, fit: &Fit) -> bool {
+        fit.error() > FAR_ABOVE * self.data.floor
+    }
+}
+
+/// The same values with the nominal ones of the base model's free parameters: beside a missing effect a fit drives them
+/// away, and under an observer the way from what the maker states is short.
+pub(super) fn with_nominal_base(base: &dyn Model, known: &Known) -> Known {
+    let nominal = |name: &str| base.parameters().iter().find(|p| p.name == name && !p.fixed).map(|p| p.value);
+    known.iter().map(|(name, value)| (name.clone(), nominal(name).unwrap_or(*value))).collect()
+}
+
+impl Models<'_> {
+    /// A set with one more effect, from its most promising starting values and from its guess; the lower of the fits.
+    #[must_use]
+    pub fn with_one_more(&self, near: &Candidate, effect: &str) -> Option<Candidate> {
+        let cards: Vec<_> = near.model.effects(&self.seen).into_iter().filter(|c| c.id == effect).collect();
+        let mut effects = near.effects.clone();
+        effects.push(effect.to_owned());
+        let known = near.known();
+        let beside = self.observing(near, &with_nominal_base(self.exact, &known));
+        let looks = [beside.as_ref(), Some(near)].into_iter().flatten();
+        let starts = looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
+        let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
+        let fitted = starts.into_iter().filter_map(|start| {
+            self.fitted(near, &effects, &known.iter().cloned().chain(start).collect())
+        });
+        fitted.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
+    }
+
+    /// The base model with effects in the order in which they were asked for, grown one by one in either order, as what an
+    /// effect shows may depend on another one being there already; fitted to the end. `None` if nothing can be simulated.
+    #[must_use]
+    pub fn with_effects(&self, base: &Candidate, effects: &[String]) -> Option<Candidate> {
+        let backwards: Vec<String> = effects.iter().rev().cloned().collect();
+        let orders = if effects.len() > 1 { vec![effects.to_vec(), backwards] } else { vec![effects.to_vec()] };
+        let grown = orders.into_iter().filter_map(|order| {
+            order.iter().try_fold(base.clone(), |grown, effect| self.with_one_more(&grown, effect))
+        });
+        let best = grown.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })?;
+        let (settled, _) = self.settled(best);
+        let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
+        let start = values_by_name(model.as_ref(), &settled.known());
+        let fit = fit::at_values(self.data, model.as_ref(), &start, Difference::Forward).ok()?;
+        Some(self.polished(&Candidate { effects: effects.to_vec(), model, fit, ..settled }))
+    }
+}
