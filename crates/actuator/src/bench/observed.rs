@@ -1,8 +1,9 @@
 //! A bench under an observer: which measured motions it is pulled to, and what is missing at each port.
 
 use super::{Bench, BenchModel};
-use crate::plant::{Grid, Observer, Plant, ReferenceMotion, Trace, sample, smoothed};
+use crate::plant::{Grid, Observer, Plant, Pull, ReferenceMotion, Trace, sample, smoothed};
 use sealegs_model::{Record, Signal, internal};
+use std::sync::{Arc, Mutex};
 
 /// The observer's natural frequency over that of the rotor on its spring: fast enough that the motion is the measured
 /// one within a fraction of an oscillation, slow enough that an encoder's counts pull less than a newton.
@@ -15,10 +16,14 @@ const FASTEST_PER_STEP: f64 = 0.15;
 const FASTEST_PER_SAMPLE: f64 = 0.5;
 
 /// Smoothed measurements of records, by the records' names.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub(super) struct Observed {
     runs: Vec<(String, Vec<(String, ReferenceMotion)>)>,
+    /// The same on the grids of simulations, by record, channel and grid: every simulation asks for them again.
+    on_grids: Mutex<Vec<OnGrid>>,
 }
+
+type OnGrid = ((String, String, u64, usize), Arc<ReferenceMotion>);
 
 /// Channels that tell of the spring's force, with what divides them to a deflection: the stiffness where they are forces.
 const SPRING: [(&str, bool); 5] = [
@@ -42,7 +47,21 @@ impl Observed {
                 Some((record.name.clone(), motions.collect()))
             })
             .collect::<Option<Vec<_>>>()?;
-        Some(Self { runs })
+        Some(Self { runs, on_grids: Mutex::default() })
+    }
+
+    /// A channel's motion on a simulation's grid.
+    fn on_grid(&self, record: &Record, channel: &str, grid: &Grid) -> Option<Arc<ReferenceMotion>> {
+        let key = (record.name.clone(), channel.to_owned(), grid.step_s.to_bits(), grid.steps);
+        let known = |all: &Vec<OnGrid>| all.iter().find(|(k, _)| *k == key).map(|(_, m)| m.clone());
+        // A thread that panicked while it held the lock leaves whole entries behind.
+        let lock = || self.on_grids.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(motion) = known(&lock()) {
+            return Some(motion);
+        }
+        let motion = Arc::new(self.channel(record, channel)?.on(grid, &record.time_s));
+        lock().push((key, motion.clone()));
+        Some(motion)
     }
 
     fn channel(&self, record: &Record, channel: &str) -> Option<&ReferenceMotion> {
@@ -79,13 +98,18 @@ impl Observed {
         let most =
             (FASTEST_PER_STEP / grid.step_s).min(FASTEST_PER_SAMPLE / record.mean_period_s().max(grid.step_s));
         let fast = |stiffness: f64, mass: f64| (FASTER * (stiffness / mass).sqrt()).min(most);
-        let rotor = self.rotor(record, plant, arm_m).map(|to| {
-            let rate = fast(c.stiffness, mass);
-            (to.on(grid, &record.time_s), mass * rate * rate, 2.0 * mass * rate)
-        });
-        let output = arm_m.zip(self.channel(record, "joint_angle_rad")).map(|(arm, angle)| {
+        let rate = fast(c.stiffness, mass);
+        let (stiffness, damping) = (mass * rate * rate, 2.0 * mass * rate);
+        let rotor = match self.on_grid(record, "motor_angle_rad", grid) {
+            Some(to) => Some(Pull { to, scale: plant.travel_per_rad, stiffness, damping }),
+            None => self.rotor(record, plant, arm_m).map(|to| {
+                let to = Arc::new(to.on(grid, &record.time_s));
+                Pull { to, scale: 1.0, stiffness, damping }
+            }),
+        };
+        let output = arm_m.zip(self.on_grid(record, "joint_angle_rad", grid)).map(|(scale, to)| {
             let mass = plant.link_2.mass_kg();
-            (angle.scaled(arm).on(grid, &record.time_s), mass * fast(c.stiffness, mass))
+            Pull { to, scale, stiffness: 0.0, damping: mass * fast(c.stiffness, mass) }
         });
         rotor.is_some().then_some(Observer { rotor, output })
     }

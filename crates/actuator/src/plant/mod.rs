@@ -33,7 +33,7 @@ pub use laws::Laws;
 pub use linear::Coordinates;
 pub use linearised::Linearised;
 pub(crate) use observer::pull_at;
-pub use observer::{Observer, ReferenceMotion, smoothed};
+pub use observer::{Observer, Pull, ReferenceMotion, smoothed};
 pub use ports::{
     CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, SpringForce, SpringPath,
 };

@@ -8,6 +8,7 @@
 //! 2007, IET Systems Biology 1(2)).
 
 use super::{Grid, sample};
+use std::sync::Arc;
 
 /// A measured position with its rate, at time stamps of its own.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -41,14 +42,35 @@ impl ReferenceMotion {
     }
 }
 
-/// Reference motions on a simulation's grid with the gains of the pull.
+/// A pull towards a reference motion on a simulation's grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pull {
+    /// The motion in its sensor's unit; shared, as every simulation of a record on a grid has the same.
+    pub to: Arc<ReferenceMotion>,
+    /// m per unit of the reference.
+    pub scale: f64,
+    /// N/m.
+    pub stiffness: f64,
+    /// N s/m.
+    pub damping: f64,
+}
+
+impl Pull {
+    #[inline]
+    fn force(&self, n: usize, (position, speed): (f64, f64)) -> f64 {
+        self.stiffness * (self.scale * self.to.position[n] - position)
+            + self.damping * (self.scale * self.to.speed[n] - speed)
+    }
+}
+
+/// The pulls on an actuator's ends.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Observer {
-    /// The rotor's extension, m, with stiffness (N/m) and damping (N s/m) of its pull.
-    pub rotor: Option<(ReferenceMotion, f64, f64)>,
-    /// Link 2's motion, m, with the damping (N s/m) of its pull. It has no stiffness: a joint's encoder has a zero of its
-    /// own, and its error would pull the spring.
-    pub output: Option<(ReferenceMotion, f64)>,
+    /// On the rotor.
+    pub rotor: Option<Pull>,
+    /// On link 2. It should have no stiffness: a joint's encoder has a zero of its own, and its error would pull the
+    /// spring.
+    pub output: Option<Pull>,
 }
 
 impl Observer {
@@ -56,11 +78,8 @@ impl Observer {
     #[must_use]
     #[inline]
     pub fn pull(&self, n: usize, rotor: (f64, f64), output: (f64, f64)) -> (f64, f64) {
-        let on_rotor = self.rotor.as_ref().map_or(0.0, |(to, stiffness, damping)| {
-            stiffness * (to.position[n] - rotor.0) + damping * (to.speed[n] - rotor.1)
-        });
-        let on_output = self.output.as_ref().map_or(0.0, |(to, damping)| damping * (to.speed[n] - output.1));
-        (on_rotor, on_output)
+        let of = |pull: &Option<Pull>, at| pull.as_ref().map_or(0.0, |p| p.force(n, at));
+        (of(&self.rotor, rotor), of(&self.output, output))
     }
 }
 
@@ -79,9 +98,9 @@ fn resampled(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
         .collect()
 }
 
-/// Samples to each side that a smoothed value is taken from: at 1 kHz it follows to some 60 Hz, and the speed of an
-/// encoder of 4096 counts is known to 0.03 rad/s.
-const HALF_WINDOW: usize = 6;
+/// Samples to each side that a smoothed value is taken from: at 1 kHz it follows to some 150 Hz, and the speed of an
+/// encoder of 4096 counts is known to 0.14 rad/s.
+const HALF_WINDOW: usize = 2;
 
 /// A measured signal and its rate by local parabolas (Savitzky and Golay 1964), on time stamps that may be uneven.
 ///
@@ -113,7 +132,7 @@ pub fn smoothed(time_s: &[f64], values: &[f64]) -> ReferenceMotion {
                 power *= x;
             }
         }
-        let [a, b] = if to - from >= 4 { parabola(&moment, &right) } else { [0.0, 0.0] };
+        let [a, b] = if to - from >= 3 { parabola(&moment, &right) } else { [0.0, 0.0] };
         position.push(values[i] + a);
         speed.push(b * scale);
     }
@@ -165,7 +184,8 @@ mod tests {
         let true_commands: Vec<f64> = known.iter().map(|f| f + 5.0).collect();
         let truth = plant.simulate(grid, &true_commands).expect("finite");
         let to = ReferenceMotion { position: truth.screw_position.clone(), speed: truth.screw_speed };
-        let observer = Observer { rotor: Some((to, 1600.0, 80.0)), output: None };
+        let pull = Pull { to: Arc::new(to), scale: 1.0, stiffness: 1600.0, damping: 80.0 };
+        let observer = Observer { rotor: Some(pull), output: None };
         let observed = plant.observe(grid, &known, &observer).expect("finite");
         // In rest the observer's spring and the actuator's share the 5 N: 5 * 1600 / (1600 + 400).
         let last = observed.rotor_pull.last().copied().unwrap_or(0.0);

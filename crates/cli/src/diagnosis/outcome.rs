@@ -1,7 +1,7 @@
 //! A diagnosis in the data contract's words: what `--json` writes and what text and report print.
 
 use sealegs_sysid::Fit;
-use sealegs_sysid::diagnose::{Diagnosis, Judged, OpenChoice, VerdictKind};
+use sealegs_sysid::diagnose::{Diagnosis, Judged, OpenChoice, Port, VerdictKind};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -32,6 +32,11 @@ pub struct Outcome {
     pub ladder: Vec<RungSaid>,
     /// Effects that help significantly and take less than 1 % of the base model's held-out error.
     pub traces: Vec<String>,
+    /// What is missing at each port of the base model, before anything was searched; the greatest over its uncertainty
+    /// first.
+    pub missing_signals: Vec<MissingSignal>,
+    /// The same beside the named effects, where they leave something.
+    pub missing_after: Vec<MissingSignal>,
     /// Sets by their prediction of left-out stretches, best first.
     pub ranking: Vec<Ranked>,
     /// Which experiment would tell more.
@@ -86,6 +91,78 @@ pub struct RungSaid {
     pub holdout_error: f64,
     /// The same of the fit runs.
     pub fit_error: f64,
+}
+
+/// The signal that is missing at a port.
+#[derive(Debug, Clone, Serialize)]
+pub struct MissingSignal {
+    /// `rotor`, `spring`, `output`, `sensor/CHANNEL`; with its place before it on a leg.
+    pub port: String,
+    /// Its unit.
+    pub unit: String,
+    /// Root mean square.
+    pub rms: f64,
+    /// Root mean square that the sensors' noise alone would leave.
+    pub uncertainty: f64,
+    /// What it depends on, the best first: those that foresee nearly as much as the best, the simplest of them first.
+    pub depends_on: Vec<String>,
+    /// Share of it above the noise that the first foresees on left-out blocks of the fit runs.
+    pub explained: f64,
+    /// All dependences with their shares.
+    pub shares: Vec<Share>,
+    /// The first's curve, where it has one.
+    pub curve: Option<CurveSaid>,
+}
+
+/// A dependence with its share.
+#[derive(Debug, Clone, Serialize)]
+pub struct Share {
+    /// On what.
+    pub on: String,
+    /// Share foreseen on left-out blocks.
+    pub explained: f64,
+}
+
+/// A missing signal over what it depends on.
+#[derive(Debug, Clone, Serialize)]
+pub struct CurveSaid {
+    /// The abscissa.
+    pub over: String,
+    /// What the curve is multiplied by: `1`, `direction`, `deflection` or `command`.
+    pub times: String,
+    /// Abscissas.
+    pub x: Vec<f64>,
+    /// Ordinates, in the port's unit.
+    pub y: Vec<f64>,
+    /// One standard error of each.
+    pub std: Vec<f64>,
+}
+
+/// Shares that are this near to the best one's are said as well.
+const NEARLY: f64 = 0.05;
+
+impl MissingSignal {
+    fn of(port: &Port) -> Self {
+        let (missing, depends) = (&port.missing, &port.depends);
+        let best = depends.iter().map(|d| d.explained).fold(0.0, f64::max);
+        let near = depends.iter().filter(|d| d.explained > best - NEARLY);
+        Self {
+            port: missing.name(),
+            unit: missing.unit.clone(),
+            rms: missing.rms,
+            uncertainty: missing.std,
+            depends_on: near.map(|d| d.on.to_owned()).collect(),
+            explained: depends.first().map_or(0.0, |d| d.explained),
+            shares: depends.iter().map(|d| Share { on: d.on.to_owned(), explained: d.explained }).collect(),
+            curve: depends.first().and_then(|d| d.curve.as_ref()).map(|c| CurveSaid {
+                over: c.over.clone(),
+                times: c.times.to_owned(),
+                x: c.x.clone(),
+                y: c.y.clone(),
+                std: c.std.clone(),
+            }),
+        }
+    }
 }
 
 /// A fitted parameter.
@@ -250,6 +327,8 @@ impl Outcome {
                 })
                 .collect(),
             traces: verdict.traces.clone(),
+            missing_signals: diagnosis.ports.iter().map(MissingSignal::of).collect(),
+            missing_after: diagnosis.ports_after.iter().map(MissingSignal::of).collect(),
             ranking: verdict
                 .ranking
                 .iter()

@@ -20,6 +20,7 @@ pub fn spinner() -> ProgressBar {
 pub fn message(progress: &Progress) -> String {
     match progress {
         Progress::Base => "refitting the base model's own parameters".to_owned(),
+        Progress::Looking => "estimating what is missing at each port".to_owned(),
         Progress::Screening { beside } if beside.is_empty() => {
             "screening every effect beside the base model".to_owned()
         }

@@ -179,6 +179,8 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
         noise_floor: floor,
         ladder: vec![rung(&base, &[]), rung(&after, &added.effects)],
         traces: Vec::new(),
+        missing_signals: Vec::new(),
+        missing_after: Vec::new(),
         ranking: vec![Ranked {
             effects: added.effects.clone(),
             holdout_error: after.holdout_error,

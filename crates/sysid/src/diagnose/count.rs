@@ -21,14 +21,16 @@ const STARTS: usize = 24;
 /// Distance of the values that are tried, in counts of the greatest command.
 const COUNTS_APART: f64 = 0.5;
 
-/// Counts up to which all values are tried; further ones only where that many leave more than there is to explain.
+/// Counts of the greatest command with which a simulation tells what one of them changes.
 const ALL_COUNTS: f64 = 800.0;
 
-/// Most counts: finer ones are no effect that a bench feels, and a needle.
+/// Fewest and most counts that are tried: coarser ones anybody sees, finer ones no bench feels.
+const FEWEST_COUNTS: f64 = 10.0;
+/// See [`FEWEST_COUNTS`].
 const MOST_COUNTS: f64 = 4000.0;
 
 /// Ratio by which the number of counts that would leave as much as there is to explain may be off.
-const ROUGHLY: f64 = 1.6;
+const ROUGHLY: f64 = 2.0;
 
 /// What is simulated for it of the run that is explained worst, s.
 const EXCERPT_S: f64 = 6.0;
@@ -139,13 +141,10 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
         return Vec::new();
     };
     let near = Candidate { fit, ..beside.clone() };
-    let mut counts = evenly(10.0, ALL_COUNTS);
-    if let Some(about) = as_many_as_explain(&excerpt, &near, seen, card, peak / ALL_COUNTS) {
-        counts.extend(evenly(
-            (about / ROUGHLY).max(ALL_COUNTS + COUNTS_APART),
-            (about * ROUGHLY).min(MOST_COUNTS),
-        ));
-    }
+    let Some(about) = as_many_as_explain(&excerpt, &near, seen, card, peak / ALL_COUNTS) else {
+        return Vec::new();
+    };
+    let counts = evenly((about / ROUGHLY).max(FEWEST_COUNTS), (about * ROUGHLY).min(MOST_COUNTS));
     let tried: Vec<(usize, Vec<f64>)> = counts
         .into_iter()
         .flat_map(|counts| {

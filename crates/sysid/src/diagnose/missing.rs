@@ -1,10 +1,13 @@
 //! What is missing at each port: the force that an observer needs to keep a model on the measured motion, and what each
 //! sensor shows beyond it, with the uncertainty that the sensors' noise leaves.
 
-use super::Candidate;
+use super::dependence::{Dependence, dependences};
 use super::policy::PORT_FELT;
+use super::refine::{Models, with_nominal_base};
+use super::{Candidate, with_effects};
 use crate::data::{Data, Evaluation};
 use crate::stats::{self, Noise};
+use rayon::prelude::*;
 use sealegs_model::{Model, Prediction, Record, Signal, Unit, internal};
 
 /// A missing signal at one port.
@@ -124,4 +127,112 @@ fn noise_alone(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missi
     let again = open.observing(&records.iter().collect::<Vec<_>>());
     let predicted = again.and_then(|model| data.predict(model.as_ref(), values).ok());
     predicted.map_or_else(Vec::new, |p| ports(data, at, &p))
+}
+
+/// A port with what its missing signal depends on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Port {
+    /// The missing signal.
+    pub missing: Missing,
+    /// What it depends on, the dependence that foresees most first; empty where nothing is felt, or nothing foresees it.
+    pub depends: Vec<Dependence>,
+}
+
+/// Size of the step by which a base parameter is moved for its column, as a share of its typical change.
+const STEP: f64 = 1e-2;
+
+/// What is missing at every port of the base model beside the effects of a candidate, and what that depends on; empty where
+/// the model has no observer. Ports with the greatest signal over its uncertainty come first.
+#[must_use]
+pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
+    let known = with_nominal_base(models.exact, &candidate.known());
+    let Some(observed) = models.observing(candidate, &known) else { return Vec::new() };
+    let Ok(open) = with_effects(models.coarse.as_ref(), &candidate.effects, &models.seen) else {
+        return Vec::new();
+    };
+    let data = models.data;
+    let all = missing(data, &observed, open.as_ref());
+    // What a wrong parameter of the base model would show at each port.
+    let parameters = observed.model.parameters();
+    let moved: Vec<Vec<Missing>> = observed
+        .fit
+        .free
+        .par_iter()
+        .filter_map(|&i| {
+            let mut values = observed.fit.values.clone();
+            values[i] += STEP * parameters[i].typical;
+            let predictions = data.predict(observed.model.as_ref(), &values).ok()?;
+            let at = data.evaluate_prediction(&values, predictions);
+            Some(ports(data, &at, &at.predictions).into_iter().chain(sensors(data, &at)).collect())
+        })
+        .collect();
+    let mut looked: Vec<Port> = all
+        .into_par_iter()
+        .map(|missing| {
+            let same = |m: &&Missing| m.place == missing.place && m.port == missing.port;
+            let column = |moved: &Vec<Missing>| -> Option<Vec<Vec<f64>>> {
+                let moved = moved.iter().find(same)?;
+                let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
+                Some(moved.runs.iter().zip(&missing.runs).map(difference).collect())
+            };
+            let nuisances: Vec<Vec<Vec<f64>>> = moved.iter().filter_map(column).collect();
+            let depends = if missing.is_felt() { dependences(data, &observed, &missing, &nuisances) } else { Vec::new() };
+            Port { missing, depends }
+        })
+        .collect();
+    let felt = |p: &Port| p.missing.rms / p.missing.std.max(f64::MIN_POSITIVE);
+    looked.sort_by(|a, b| felt(b).total_cmp(&felt(a)));
+    // A missing force shows in every sensor behind it: a sensor's own fault comes first only where the balance says so.
+    let place = |p: &Port| usize::from(p.missing.port.starts_with("sensor/"));
+    looked.sort_by_key(place);
+    let faulty = looked.iter().position(|p| is_sensor_fault(&looked, p));
+    if let Some(first) = faulty {
+        let port = looked.remove(first);
+        looked.insert(0, port);
+    }
+    looked
+}
+
+/// Slopes of one signal on another between which they are the same.
+const SAME: (f64, f64) = (0.7, 1.3);
+
+/// Share of a signal's square that the other must explain for that.
+const MOSTLY: f64 = 0.5;
+
+/// Whether a load cell's own error makes what is missing at its spring: a force that is really there acts on the rotor and on
+/// the other load cell as well, an error of the cell is missing in the balance of the rotor by just as much.
+fn is_sensor_fault(ports: &[Port], cell: &Port) -> bool {
+    let at = |name: &str| ports.iter().find(|p| p.missing.place == cell.missing.place && p.missing.port == name);
+    if !matches!(cell.missing.port.as_str(), "sensor/force_1_n" | "sensor/output_torque_nm") || !cell.missing.is_felt() {
+        return false;
+    }
+    let (Some(rotor), Some(spring)) = (at("rotor"), at("spring")) else { return false };
+    let same = |a: &Missing, b: &Missing| {
+        let (slope, share) = regression(&a.runs, &b.runs);
+        (SAME.0..SAME.1).contains(&slope) && share > MOSTLY
+    };
+    let other = at("sensor/force_2_n").is_some_and(|two| same(&spring.missing, &two.missing));
+    spring.missing.is_felt() && same(&spring.missing, &rotor.missing) && !other
+}
+
+/// Slope of `b` on `a` and the share of its square that it explains.
+fn regression(a: &[Vec<f64>], b: &[Vec<f64>]) -> (f64, f64) {
+    let pairs = || a.iter().zip(b).flat_map(|(a, b)| a.iter().zip(b));
+    let sum = |f: fn(f64, f64) -> f64| pairs().map(|(a, b)| f(*a, *b)).sum::<f64>();
+    let (aa, ab, bb) = (sum(|a, _| a * a), sum(|a, b| a * b), sum(|_, b| b * b));
+    if aa > 0.0 && bb > 0.0 { (ab / aa, ab * ab / (aa * bb)) } else { (0.0, 0.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::regression;
+
+    #[test]
+    fn analytic_a_line_is_found_and_explains_what_it_should() {
+        let a = vec![vec![1.0, -1.0, 2.0, -2.0]];
+        let b = vec![vec![2.0, -2.0, 4.0, -4.0]];
+        assert_eq!(regression(&a, &b), (2.0, 1.0));
+        let crossed = vec![vec![1.0, 1.0, -0.5, -0.5]];
+        assert!(regression(&a, &crossed).1 < 1e-12);
+    }
 }

@@ -31,7 +31,7 @@ pub use count::fit_holding;
 pub use dependence::{Curve, Dependence};
 pub use experiment::{Experiment, Limits, Play, next_experiment};
 pub use judge::{Judged, Rung, Verdict, VerdictKind};
-pub use missing::Missing;
+pub use missing::{Missing, Port};
 pub use nested::DEPARTURE;
 pub use policy::policy;
 pub use refine::Models;
@@ -47,6 +47,8 @@ use sealegs_model::{Excitation, Model};
 pub enum Progress {
     /// The base model's own parameters are refitted.
     Base,
+    /// What is missing at each port is estimated.
+    Looking,
     /// Every effect is simulated beside a set.
     Screening {
         /// The set.
@@ -96,6 +98,10 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Everything that was fitted.
     pub found: Found,
+    /// What is missing at each port of the base model, before anything was searched.
+    pub ports: Vec<Port>,
+    /// The same beside the chosen set, where that leaves something.
+    pub ports_after: Vec<Port>,
     /// What the fit runs measured and how hard they drove the model.
     pub seen: Excitation,
     /// Simulations done.
@@ -119,23 +125,34 @@ pub fn diagnose(
     progress(Progress::Base);
     let mut models = Models::new(&data, base);
     let first = models.base()?;
-    let found = search(&models, first, progress);
+    search::stage(&models, "base");
+    progress(Progress::Looking);
+    let ports = missing::look(&models, &first);
+    search::stage(&models, "ports");
+    let (found, models) = search(models, first, progress);
+    let chosen = &found.tried[found.chosen];
+    let ports_after =
+        if chosen.fit.error() > policy::NEAR_FLOOR * data.floor { missing::look(&models, chosen) } else { Vec::new() };
+    let seen = models.seen;
     progress(Progress::Judging);
     let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
     let verdict = judge::judge(&holdout, &found)?;
     let (a, b) = (data.work(), holdout.work());
-    let seen = models.seen;
-    Ok(Diagnosis { verdict, found, seen, simulations: a.0 + b.0, simulated_s: a.1 + b.1 })
+    Ok(Diagnosis { verdict, found, ports, ports_after, seen, simulations: a.0 + b.0, simulated_s: a.1 + b.1 })
 }
 
 /// The search on the fit runs alone, from the fitted base model.
-fn search(models: &Models, first: Candidate, progress: &(dyn Fn(Progress) + Sync)) -> Found {
+fn search<'a>(
+    models: Models<'a>,
+    first: Candidate,
+    progress: &'a (dyn Fn(Progress) + Sync + 'a),
+) -> (Found, Models<'a>) {
     let admitted = models.exact.effects(&models.seen).into_iter().map(|c| c.id).collect();
     let base_as_searched = first.validation.clone();
     let mut search = search::Search { models, admitted, tried: vec![first], promises: Vec::new(), progress };
     let best = search.run();
     let (chosen, mut tied) = search.ties(best);
-    let search::Search { mut tried, promises, .. } = search;
+    let search::Search { models, mut tried, promises, .. } = search;
     let same = models.by_another_name(&tried, chosen);
     tied.retain(|i| !same.contains(i));
     let (settled, others) = models.settled(tried[chosen].clone());
@@ -146,5 +163,5 @@ fn search(models: &Models, first: Candidate, progress: &(dyn Fn(Progress) + Sync
         }
     }
     let open = models.open_choices(&settled, &others, &tried[chosen]);
-    Found { tried, chosen, tied, same, open, promises, base_as_searched }
+    (Found { tried, chosen, tied, same, open, promises, base_as_searched }, models)
 }

@@ -61,7 +61,7 @@ policy! {
     /// Effects in a set: a rig with more unknowns needs other experiments first.
     MOST_EFFECTS = 4.0;
     /// Starting values of an effect in the first look of the screening.
-    STARTS = 24.0;
+    STARTS = 16.0;
     /// The same on a model with many parameters, where a simulation is dear.
     STARTS_DEAR = 3.0;
     /// Single effects that are fitted beside a set.
@@ -82,12 +82,22 @@ policy! {
     STEPS_PER_SAMPLE = 4.0;
     /// The same in screening.
     SCREEN_STEPS_PER_SAMPLE = 2.0;
+    /// Mean squared error of the search's steps, as a share of what a set leaves above the floor, from which on the search
+    /// goes on with the model's own.
+    STEP_SHARE = 0.25;
     /// How far an amplitude is trusted beyond the value that was simulated.
     FARTHEST = 3.0;
     /// Least share of the value that was simulated with which a fit starts: closer to nothing a search would not leave it.
     NEAREST = 0.2;
-    /// Error over the floor beyond which other places than the nearest minimum are looked at.
-    FAR_ABOVE = 1.2;
+    /// Share of the mean square that the base model leaves below which a set leaves a trace only: other sets are then
+    /// fitted as rivals of it and no more.
+    TRACE = 1e-4;
+    /// Cost under the observer over the best set's up to which a set is fitted in open loop as its rival.
+    RIVAL_COST = 1.5;
+    /// Sets that are fitted in open loop in any case, by their cost under the observer.
+    LEADERS = 2.0;
+    /// The same where the leaders do not explain what is missing.
+    FOLLOWERS = 4.0;
     /// Missing signal over its uncertainty from which on a port is said to lack something.
     PORT_FELT = 2.0;
     /// Rows of a free-form regression: more add correlated samples only.

@@ -4,7 +4,8 @@
 //! observer (see [`Model::observing`]) an error lasts for one of its time constants only. What is fitted there begins the
 //! fit in open loop, which alone is validated, compared and judged.
 
-use super::policy::{DEAR_STEPS, FAR_ABOVE, OBSERVED_STEPS, STARTS, STEPS, STEPS_PER_SAMPLE};
+use super::compare::{excess, mean_square_difference};
+use super::policy::{AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, STARTS, STEPS, STEPS_PER_SAMPLE, TRACE};
 use super::screen::{Known, screen};
 use super::{Candidate, count, values_by_name, with_effects};
 use crate::Error;
@@ -43,6 +44,25 @@ impl<'a> Models<'a> {
         let observed = coarse.observing(&records);
         let dear = fit::has_many_parameters(exact);
         Self { data, exact, coarse, observed, seen: Excitation::default(), dear }
+    }
+
+    /// The search's forms with the model's own steps from now on.
+    pub fn refine(&mut self) {
+        let records: Vec<&Record> = self.data.runs.iter().map(|r| r.record).collect();
+        self.coarse = self.exact.clone_box();
+        self.observed = self.exact.observing(&records);
+    }
+
+    /// Mean squared difference of a set's predictions with the search's steps and with the model's own, in squared noise
+    /// units; 0 where simulations are dear.
+    #[must_use]
+    pub fn step_error(&self, candidate: &Candidate) -> f64 {
+        if self.dear {
+            return 0.0;
+        }
+        let exactly = with_effects(self.exact, &candidate.effects, &self.seen)
+            .and_then(|model| self.data.evaluate(model.as_ref(), &candidate.fit.values));
+        exactly.map_or(0.0, |exactly| mean_square_difference(&exactly, &candidate.fit.evaluation))
     }
 
     /// The base model's own fit in open loop, every discrete choice tried; and what it saw.
@@ -92,22 +112,32 @@ impl<'a> Models<'a> {
         Some(Candidate { model, fit, ..candidate.clone() })
     }
 
-    /// A set fitted from values by name: under the observer, then in open loop from there, or from the values
-    /// themselves where these are nearer. `None` if nothing can be simulated.
+    /// A set fitted from values by name under the observer, from the base model's nominal values; `None` without one.
     #[must_use]
-    pub fn fitted(&self, near: &Candidate, effects: &[String], known: &Known) -> Option<Candidate> {
+    pub fn observed_fit(&self, near: &Candidate, effects: &[String], known: &Known) -> Option<Fit> {
+        let model = with_effects(self.observed.as_deref()?, effects, &self.seen).ok()?;
+        let start = values_by_name(model.as_ref(), &with_nominal_base(self.exact, known));
+        let options = FitOptions {
+            max_steps: OBSERVED_STEPS as usize,
+            tolerance: ROUGH_TOLERANCE,
+            ..self.options(model.as_ref(), start, near)
+        };
+        fit::fit(self.data, model.as_ref(), &options).ok()
+    }
+
+    /// A set fitted in open loop from values by name, or from those of its fit under the observer where these are nearer.
+    /// `None` if nothing can be simulated.
+    #[must_use]
+    pub fn fitted(
+        &self,
+        near: &Candidate,
+        effects: &[String],
+        known: &Known,
+        observed: Option<&Fit>,
+    ) -> Option<Candidate> {
         let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
         let mut starts = vec![values_by_name(model.as_ref(), known)];
-        if let Some(observed) = &self.observed {
-            let observed = with_effects(observed.as_ref(), effects, &self.seen).ok()?;
-            let from = with_nominal_base(self.exact, known);
-            let options = FitOptions {
-                max_steps: OBSERVED_STEPS as usize,
-                tolerance: ROUGH_TOLERANCE,
-                ..self.options(observed.as_ref(), values_by_name(observed.as_ref(), &from), near)
-            };
-            starts.extend(fit::fit(self.data, observed.as_ref(), &options).ok().map(|f| f.values));
-        }
+        starts.extend(observed.map(|f| f.values.clone()));
         let cost = |values: &Vec<f64>| {
             self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost)
         };
@@ -156,10 +186,12 @@ impl<'a> Models<'a> {
         polish().unwrap_or_else(|_| candidate.clone())
     }
 
-    /// Whether a fit leaves so much that another start is worth its price.
+    /// Whether nothing is left to explain, or a trace of what the base model leaves.
     #[must_use]
-    pub fn is_far(&self, fit: &Fit) -> bool {
-        fit.error() > FAR_ABOVE * self.data.floor
+    pub fn is_settled(&self, candidate: &Candidate, base: &Candidate) -> bool {
+        let floor = self.data.floor;
+        let left = excess(candidate.fit.error(), floor);
+        candidate.fit.error() <= AT_FLOOR * floor || left <= TRACE * excess(base.fit.error(), floor)
     }
 }
 
@@ -183,7 +215,9 @@ impl Models<'_> {
         let starts = looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
         let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
         let fitted = starts.into_iter().filter_map(|start| {
-            self.fitted(near, &effects, &known.iter().cloned().chain(start).collect())
+            let known: Known = known.iter().cloned().chain(start).collect();
+            let observed = self.observed_fit(near, &effects, &known);
+            self.fitted(near, &effects, &known, observed.as_ref())
         });
         fitted.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
     }

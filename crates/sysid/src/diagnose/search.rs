@@ -1,12 +1,17 @@
 //! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the promising ones are
 //! fitted, members leave again, and rivals of each member are tried.
 
-use super::compare::{clearly_better, gain};
-use super::policy::{AT_FLOOR, MOST_EFFECTS, NEAR_FLOOR, STARTS, STARTS_DEAR, TIED_COST};
+use super::compare::{clearly_better, excess, gain};
+use super::policy::{
+    AT_FLOOR, EXPLAINED, FOLLOWERS, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR, RIVAL_COST, STARTS, STARTS_DEAR, STEP_SHARE,
+    TIED_COST,
+};
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
 use super::{Candidate, Progress};
+use crate::fit::Fit;
 use rayon::prelude::*;
+use sealegs_model::EffectCard;
 
 /// Times that members are exchanged and taken out in turn.
 const ROUNDS: usize = 2;
@@ -14,15 +19,12 @@ const ROUNDS: usize = 2;
 /// Rivals of a member that are fitted.
 const RIVALS: usize = 3;
 
-/// Share of what a member explains that a rival must promise in its place.
-const RIVAL_SHARE: f64 = 0.3;
-
 /// Effects of the screening in open loop that are fitted, too: a sensor that the observer follows hides its own fault.
 const OPEN_LOOP: usize = 3;
 
 /// The search's state.
 pub(super) struct Search<'a> {
-    pub models: &'a Models<'a>,
+    pub models: Models<'a>,
     /// Effects to choose from, in the catalogue's order.
     pub admitted: Vec<String>,
     /// Everything that was fitted, the base model first.
@@ -37,12 +39,21 @@ impl Search<'_> {
     pub fn run(&mut self) -> usize {
         let mut best = 0;
         while self.tried[best].effects.len() < MOST_EFFECTS as usize && !self.at_floor(best) {
+            // What is less than the contract's share of the base model's error is a trace: it is looked at once.
+            let last = self.is_explained(best);
+            if last && self.tried[best].fit.error() <= EXPLAINED * self.models.data.floor {
+                break;
+            }
             let fitted = self.grown(best);
             let better = self.best_of(&fitted, best);
             if better == best {
                 break;
             }
             best = better;
+            self.refine_steps(best);
+            if last {
+                return best;
+            }
         }
         for _ in 0..ROUNDS {
             let before = best;
@@ -57,62 +68,110 @@ impl Search<'_> {
 
     /// Fits what screening promises beside a set; the indices.
     fn grown(&mut self, from: usize) -> Vec<usize> {
-        let screened = self.screened(from);
+        let (screened, sensors) = self.screened(from);
         if from == 0 {
             self.promises.clone_from(&screened.promises);
         }
         let noise = 0.5 * self.models.data.floor.powi(2) * self.tried[from].validation.residuals as f64;
         let left = (self.tried[from].fit.cost - noise).max(0.0);
         let plans = screened.plans(left);
-        self.fit_all(from, plans)
+        self.fit_all(from, plans, sensors)
     }
 
-    /// What screening finds beside a set, under the observer and, where simulations are cheap, in open loop as well.
-    fn screened(&self, from: usize) -> Screened {
-        let (models, candidate) = (self.models, &self.tried[from]);
+    /// What screening finds beside a set under the observer; and the sensors' effects in open loop, where simulations are
+    /// cheap: a sensor that the observer follows hides its own fault.
+    fn screened(&self, from: usize) -> (Screened, Vec<Promise>) {
+        let (models, candidate) = (&self.models, &self.tried[from]);
         (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
         let starts = if models.dear { STARTS_DEAR } else { STARTS } as usize;
         let known = with_nominal_base(models.exact, &candidate.known());
-        let beside = models.observing(candidate, &known);
         let cards = addable(candidate.model.as_ref(), &models.seen, &self.admitted);
-        let at = |beside: &Candidate| screen(models.data, beside, &models.seen, &cards, starts);
-        let Some(mut screened) = beside.as_ref().map(at) else { return at(candidate) };
-        if !models.dear {
-            let open = at(candidate).promises.into_iter().take(OPEN_LOOP);
-            for promise in open {
-                let effects = |p: &Plan| p.added == [promise.effect.clone()];
-                if !screened.plans(0.0).iter().any(effects) {
-                    screened.pairs.push(Plan {
-                        added: vec![promise.effect],
-                        drop: f64::MAX,
-                        start: promise.start,
-                    });
-                }
-            }
+        let at = |beside: &Candidate, cards: &[EffectCard]| screen(models.data, beside, &models.seen, cards, starts);
+        let Some(beside) = models.observing(candidate, &known) else { return (at(candidate, &cards), Vec::new()) };
+        let screened = at(&beside, &cards);
+        stage(models, "screened");
+        if models.dear {
+            return (screened, Vec::new());
         }
-        screened
+        let sensors: Vec<EffectCard> = cards.into_iter().filter(|c| c.acts_on == "sensor").collect();
+        let mut open = at(candidate, &sensors).promises;
+        open.truncate(OPEN_LOOP);
+        (screened, open)
     }
 
-    /// Fits plans beside a set that were not fitted yet; the indices of all of them.
-    fn fit_all(&mut self, from: usize, plans: Vec<Plan>) -> Vec<usize> {
+    /// Fits plans beside a set that were not fitted yet, first under the observer, then the best of them in open loop; the
+    /// indices of all that were. `sure` plans are fitted in open loop unless nothing is left by then.
+    fn fit_all(&mut self, from: usize, plans: Vec<Plan>, sure: Vec<Promise>) -> Vec<usize> {
         let near = &self.tried[from];
-        let with = |plan: &Plan| -> Vec<String> {
-            let chosen = |id: &String| near.effects.contains(id) || plan.added.contains(id);
+        let with = |added: &[String]| -> Vec<String> {
+            let chosen = |id: &String| near.effects.contains(id) || added.contains(id);
             self.admitted.iter().filter(|id| chosen(id)).cloned().collect()
         };
-        let sets: Vec<(Vec<String>, Known)> = plans
+        let job = |added: &[String], start: Known| -> (Vec<String>, Known) {
+            (with(added), near.known().into_iter().chain(start).collect())
+        };
+        let new = |(set, _): &(Vec<String>, Known)| self.tried.iter().all(|t| t.effects != *set);
+        let known: Vec<usize> = plans
             .iter()
-            .map(|plan| (with(plan), near.known().into_iter().chain(plan.start.clone()).collect()))
+            .filter_map(|p| self.tried.iter().position(|t| t.effects == with(&p.added)))
             .collect();
-        let new: Vec<_> = sets.iter().filter(|(set, _)| self.tried.iter().all(|t| t.effects != *set)).collect();
-        if !new.is_empty() {
-            (self.progress)(Progress::Fitting { sets: new.iter().map(|(set, _)| set.clone()).collect() });
+        let jobs: Vec<_> = plans.into_iter().map(|p| job(&p.added, p.start)).filter(new).collect();
+        let sure = sure.into_iter().map(|p| job(&[p.effect], p.start)).filter(new);
+        let sure: Vec<_> = sure.filter(|(set, _)| jobs.iter().all(|(other, _)| other != set)).collect();
+        let (models, first) = (&self.models, self.tried.len());
+        (self.progress)(Progress::Fitting { sets: jobs.iter().map(|(set, _)| set.clone()).collect() });
+        let observed: Vec<Option<Fit>> =
+            jobs.par_iter().map(|(set, known)| models.observed_fit(near, set, known)).collect();
+        let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =
+            jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
+        let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
+        stage(models, "observed fits");
+        // Without an observer they stay in the order of what they promise.
+        ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
+        let least = ranked.first().map_or(f64::INFINITY, |r| cost(&r.2));
+        let near = near.clone();
+        let wave = |jobs: &[(Vec<String>, Known, Option<Fit>)]| -> Vec<Candidate> {
+            let fitted: Vec<Option<Candidate>> =
+                jobs.par_iter().map(|(set, known, fit)| models.fitted(&near, set, known, fit.as_ref())).collect();
+            fitted.into_iter().flatten().collect()
+        };
+        let leaders = (LEADERS as usize).min(ranked.len());
+        let mut fitted = wave(&ranked[..leaders]);
+        stage(models, "leaders");
+        let settled = fitted.iter().any(|c| models.is_settled(c, &self.tried[0]));
+        let mut rest: Vec<_> = ranked.drain(leaders..).collect();
+        if settled {
+            rest.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
+        } else {
+            rest.truncate(FOLLOWERS as usize);
+            rest.extend(sure.into_iter().map(|(set, known)| (set, known, None)));
         }
-        let fitted: Vec<Option<Candidate>> =
-            new.par_iter().map(|(set, known)| self.models.fitted(near, set, known)).collect();
-        self.tried.extend(fitted.into_iter().flatten());
-        let index = |set: &Vec<String>| self.tried.iter().position(|t| t.effects == *set);
-        sets.iter().filter_map(|(set, _)| index(set)).collect()
+        fitted.extend(wave(&rest));
+        stage(models, "rest");
+        self.tried.extend(fitted);
+        known.into_iter().chain(first..self.tried.len()).collect()
+    }
+
+    /// Goes on with the model's own steps where the search's make a good part of what a set leaves: further effects would
+    /// explain the error of the steps.
+    fn refine_steps(&mut self, index: usize) {
+        let (set, floor) = (&self.tried[index], self.models.data.floor);
+        let left = excess(set.fit.error(), floor);
+        if self.at_floor(index) || self.models.step_error(set) < STEP_SHARE * left {
+            return;
+        }
+        self.models.refine();
+        let (effects, known) = (set.effects.clone(), set.known());
+        if let Some(again) = self.models.fitted(&self.tried[index], &effects, &known, None) {
+            self.tried[index] = again;
+        }
+    }
+
+    /// Whether a set leaves less of the fit runs than the share of the base model's error that an effect must take.
+    fn is_explained(&self, index: usize) -> bool {
+        let floor = self.models.data.floor;
+        let above = |i: usize| (self.tried[i].fit.error() - floor).max(0.0);
+        index > 0 && above(index) < LEFT_SHARE * above(0)
     }
 
     /// Whether nothing is left to explain.
@@ -139,7 +198,7 @@ impl Search<'_> {
             return Some(i);
         }
         let near = &self.tried[near];
-        let fitted = self.models.fitted(near, effects, &near.known())?;
+        let fitted = self.models.fitted(near, effects, &near.known(), None)?;
         self.tried.push(fitted);
         Some(self.tried.len() - 1)
     }
@@ -159,23 +218,26 @@ impl Search<'_> {
         }
     }
 
-    /// Tries rivals in the place of each member of a set of several.
+    /// Tries rivals in the place of each member of a set of several: effects at the same port, as they promised to be beside
+    /// the base model.
     fn exchanged(&mut self, best: usize) -> usize {
         let effects = self.tried[best].effects.clone();
         if effects.len() < 2 {
             return best;
         }
+        let cards = self.models.exact.effects(&self.models.seen);
+        let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
         let mut fitted = Vec::new();
         for leaving in &effects {
             let Some(without) = self.index_of(&all_but(&effects, leaving), best) else { continue };
-            let worth = self.tried[without].fit.cost - self.tried[best].fit.cost;
-            let promises = self.screened(without).promises.into_iter();
-            let plans = promises
-                .filter(|p| p.effect != *leaving && p.drop > RIVAL_SHARE * worth)
-                .map(|p| Plan { added: vec![p.effect], drop: p.drop, start: p.start })
-                .take(RIVALS);
-            let plans = plans.collect();
-            fitted.extend(self.fit_all(without, plans));
+            let rivals = self.promises.iter().filter(|p| {
+                !effects.contains(&p.effect) && p.drop > 0.0 && port(&p.effect) == port(leaving)
+            });
+            let plans: Vec<Plan> = rivals
+                .take(RIVALS)
+                .map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() })
+                .collect();
+            fitted.extend(self.fit_all(without, plans, Vec::new()));
         }
         let mean = |i: usize| self.mean_square(i);
         let rival = fitted.into_iter().filter(|&i| self.tried[i].effects.len() <= effects.len());
@@ -210,4 +272,10 @@ impl Search<'_> {
 /// A set without one of its members.
 pub(super) fn all_but(effects: &[String], leaving: &str) -> Vec<String> {
     effects.iter().filter(|e| *e != leaving).cloned().collect()
+}
+
+pub(super) fn stage(models: &Models, what: &str) {
+    if std::env::var("SL_DEBUG").is_ok() {
+        eprintln!("{:?} {what}: {:?}", std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map(|d| d.as_secs_f64() % 1000.0), models.data.work());
+    }
 }
