@@ -11,7 +11,7 @@ use super::{Candidate, count, values_by_name, with_effects};
 use crate::Error;
 use crate::data::Data;
 use crate::fit::{self, Difference, Fit, FitOptions};
-use sealegs_model::{Excitation, Model, Record};
+use sealegs_model::{Excitation, Model, Parameter, Record};
 
 /// Gain of a step with which a fit in a search is content (see [`FitOptions::tolerance`]).
 const TOLERANCE: f64 = 0.05;
@@ -94,15 +94,18 @@ impl<'a> Models<'a> {
         }
     }
 
-    /// A candidate fitted under the observer, from its own values: what screening looks beside. The candidate itself
-    /// where there is no observer.
+    /// A candidate under the observer, at values by name: what screening looks beside. Where nothing is known of a base
+    /// parameter it is fitted there; else what the maker states is nearer to the truth than a fit without what is missing.
+    /// `None` where there is no observer.
     #[must_use]
     pub fn observing(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
         let observed = self.observed.as_deref()?;
         let model = with_effects(observed, &candidate.effects, &self.seen).ok()?;
         let start = values_by_name(model.as_ref(), known);
+        let unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none();
+        let steps = if self.exact.parameters().iter().any(unknown) { OBSERVED_STEPS as usize } else { 0 };
         let options = FitOptions {
-            max_steps: OBSERVED_STEPS as usize,
+            max_steps: steps,
             tolerance: ROUGH_TOLERANCE,
             columns: None,
             secants: false,

@@ -89,6 +89,15 @@ impl Search<'_> {
         let at = |beside: &Candidate, cards: &[EffectCard]| screen(models.data, beside, &models.seen, cards, starts);
         let Some(beside) = models.observing(candidate, &known) else { return (at(candidate, &cards), Vec::new()) };
         let screened = at(&beside, &cards);
+        if std::env::var("SL_DEBUG").is_ok() {
+            eprintln!("   beside cost {:.4e}", beside.fit.cost);
+            for p in screened.promises.iter().take(12) {
+                eprintln!("   promise {} {:.4e} {:?}", p.effect, p.drop, p.start);
+            }
+            for p in screened.pairs.iter().take(6) {
+                eprintln!("   pair {:?} {:.4e}", p.added, p.drop);
+            }
+        }
         stage(models, "screened");
         if models.dear {
             return (screened, Vec::new());
@@ -128,6 +137,11 @@ impl Search<'_> {
         stage(models, "observed fits");
         // Without an observer they stay in the order of what they promise.
         ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
+        if std::env::var("SL_DEBUG").is_ok() {
+            for r in &ranked {
+                eprintln!("   {:?} {:.4e}", r.0, cost(&r.2));
+            }
+        }
         let least = ranked.first().map_or(f64::INFINITY, |r| cost(&r.2));
         let near = near.clone();
         let wave = |jobs: &[(Vec<String>, Known, Option<Fit>)]| -> Vec<Candidate> {
