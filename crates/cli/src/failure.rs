@@ -43,9 +43,21 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     }) {
         return ExitCode::from(1);
     }
-    eprintln!("sealegs: {}", one_line(&format!("{error:#}")));
-    let bad_input = error.chain().any(|e| e.downcast_ref::<BadInput>().is_some());
+    eprintln!("sealegs: {}", one_line(&message(error)));
+    let bad_input = error.chain().any(|e| {
+        e.downcast_ref::<BadInput>().is_some()
+            || e.downcast_ref::<sealegs::Error>().is_some_and(sealegs::Error::is_bad_input)
+    });
     ExitCode::from(if bad_input { 2 } else { 1 })
+}
+
+/// The error and its causes; a cause that the message before it quotes already is not said twice.
+fn message(error: &anyhow::Error) -> String {
+    error.chain().map(ToString::to_string).fold(String::new(), |said, cause| match said.as_str() {
+        "" => cause,
+        text if text.contains(&cause) => said,
+        text => format!("{text}: {cause}"),
+    })
 }
 
 /// A message in one line: it may quote a file's text, line breaks and all.
@@ -56,6 +68,14 @@ fn one_line(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cause_is_said_once() {
+        let source = sealegs_model::ModelError::NotFinite { time_s: 0.5, what: "deflection".to_owned() };
+        let error = sealegs_sysid::Error::Model { run: "a.csv".to_owned(), source };
+        let error = anyhow::Error::new(sealegs::Error::from(error)).context("while fitting");
+        assert_eq!(message(&error), "while fitting: a.csv: deflection is no longer finite at 0.5 s");
+    }
 
     #[test]
     fn a_quoted_line_break_does_not_break_the_message() {

@@ -3,15 +3,9 @@
 //!
 //! Exit status: 0 done, 2 bad input, 3 a limit stated on the command line was passed, 1 anything else.
 
-pub mod bench_model;
-pub mod campaign_model;
-pub mod comparison;
-pub mod diagnosis;
 pub mod failure;
-pub mod leg_model;
-mod leg_scene;
-pub mod mystery;
 pub mod output;
+pub mod progress;
 pub mod reproduce;
 pub mod verb;
 

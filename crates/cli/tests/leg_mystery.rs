@@ -1,7 +1,7 @@
 //! A mystery on a whole leg: what is sealed is what is in the files.
 
-use sealegs_cli::campaign_model;
-use sealegs_cli::mystery::answer::Answer;
+use sealegs::campaign_model;
+use sealegs::mystery::answer::Answer;
 use sealegs_model::Model;
 use sealegs_sysid::{Campaign, Data};
 use std::path::Path;

@@ -1,15 +1,16 @@
 //! `sealegs add`: puts an effect into a model, refits, and writes the better model.
 
-use crate::campaign_model::inputs_of;
-use crate::diagnosis::addition::{Added, add};
-use crate::diagnosis::outcome::{Outcome, Ranked, Work, parameters, percent};
-use crate::diagnosis::provenance::Provenance;
-use crate::diagnosis::story::{Sides, Story};
-use crate::diagnosis::{page, progress, text};
 use crate::failure::{OrBadInput, bad_input};
 use crate::output::Destination;
-use crate::{campaign_model, comparison};
+use crate::progress;
 use clap::Args;
+use sealegs::campaign_model::inputs_of;
+use sealegs::diagnosis::addition::{Added, add};
+use sealegs::diagnosis::outcome::{Outcome, Ranked, Work, parameters, percent};
+use sealegs::diagnosis::provenance::Provenance;
+use sealegs::diagnosis::story::{Sides, Story};
+use sealegs::diagnosis::{page, text};
+use sealegs::{campaign_model, comparison};
 use sealegs_actuator::effect::OwnEffect;
 use sealegs_recorder::recording::Output;
 use sealegs_sysid::Campaign;

@@ -1,10 +1,10 @@
 //! `sealegs check`: what a campaign holds and what it can identify, before any fit.
 
-use crate::campaign_model;
-use crate::diagnosis::text::figures;
 use crate::failure::OrBadInput;
 use crate::output::Destination;
 use clap::Args;
+use sealegs::campaign_model;
+use sealegs::diagnosis::text::figures;
 use sealegs_model::Unit;
 use sealegs_sysid::Campaign;
 use sealegs_sysid::campaign::NoiseOrigin;

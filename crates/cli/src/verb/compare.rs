@@ -1,11 +1,11 @@
 //! `sealegs compare`: where the model fails, and by how much.
 
-use crate::campaign_model;
-use crate::comparison;
-use crate::diagnosis::provenance::Provenance;
 use crate::failure::OrBadInput;
 use crate::output::Destination;
 use clap::Args;
+use sealegs::campaign_model;
+use sealegs::comparison;
+use sealegs::diagnosis::provenance::Provenance;
 use sealegs_recorder::recording::Output;
 use sealegs_sysid::Campaign;
 use std::io::Write;

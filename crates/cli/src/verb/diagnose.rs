@@ -1,13 +1,15 @@
 //! `sealegs diagnose`: which physical effect is missing.
 
-use crate::diagnosis::outcome::Outcome;
-use crate::diagnosis::provenance::Provenance;
-use crate::diagnosis::story::{Sides, Story};
-use crate::diagnosis::{page, progress, text};
 use crate::failure::OrBadInput;
 use crate::output::Destination;
-use crate::{campaign_model, comparison};
+use crate::progress;
 use clap::Args;
+use sealegs::diagnosis::outcome::Outcome;
+use sealegs::diagnosis::progress::message;
+use sealegs::diagnosis::provenance::Provenance;
+use sealegs::diagnosis::story::{Sides, Story};
+use sealegs::diagnosis::{page, text};
+use sealegs::{campaign_model, comparison};
 use sealegs_recorder::recording::Output;
 use sealegs_sysid::{Campaign, Role, diagnose};
 use std::io::Write;
@@ -59,7 +61,7 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
 
     let bar = progress::spinner();
     let done = diagnose::diagnose(&campaign, model.as_ref(), &diagnose::Options::of(model.as_ref()), &|p| {
-        bar.set_message(progress::message(&p));
+        bar.set_message(message(&p));
     });
     bar.set_message("planning the next experiment");
     let planned = done.and_then(|d| {

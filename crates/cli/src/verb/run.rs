@@ -1,10 +1,10 @@
 //! `sealegs run`: one scenario from beginning to end, to look at and to read.
 
 use crate::failure::{OrBadInput, bad_input};
-use crate::leg_scene::LegRecorder;
 use crate::output::Destination;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use sealegs::leg_scene::LegRecorder;
 use sealegs_leg::scenario::Scenario;
 use sealegs_leg::simulation::{Event, LegDescription, Observer, Sample, Simulation};
 use sealegs_leg::{Channels, LegError, RunResult, run_simulation};

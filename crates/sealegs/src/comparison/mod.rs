@@ -11,8 +11,8 @@ pub use record::of as recording;
 pub use summary::Summary;
 pub use text::of as text;
 
+use crate::Result;
 use crate::campaign_model::CampaignModel;
-use crate::failure::OrBadInput;
 use sealegs_sysid::diagnose::fit_holding;
 use sealegs_sysid::frequency::{self, ChannelResponse};
 use sealegs_sysid::locate::{Location, locate};
@@ -72,9 +72,9 @@ pub fn compare<'a>(
     model: &dyn CampaignModel,
     floor: f64,
     as_is: bool,
-) -> anyhow::Result<Compared<'a>> {
+) -> Result<Compared<'a>> {
     if !as_is {
-        campaign.require(Role::Fit).or_bad_input()?;
+        campaign.require(Role::Fit)?;
     }
     let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
     let stated = |data: &Data| -> Vec<Sensor> {
@@ -101,7 +101,7 @@ pub fn compare<'a>(
         if campaign.runs_of(role).next().is_none() {
             continue;
         }
-        let data = Data::new(campaign, Some(role), model).or_bad_input()?;
+        let data = Data::new(campaign, Some(role), model)?;
         let before = data.judge(model, &nominal, &stated(&data))?;
         let after = match (role, &fitted) {
             _ if as_is => None,

@@ -1,6 +1,6 @@
 //! Which files a result came from, by their hashes, and with which version of the program.
 
-use anyhow::Context;
+use crate::{Error, Result};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::path::Path;
@@ -31,18 +31,18 @@ impl Provenance {
     /// # Errors
     ///
     /// If one of them can no longer be read.
-    pub fn new<'a>(model: String, files: impl IntoIterator<Item = &'a Path>) -> anyhow::Result<Self> {
+    pub fn new<'a>(model: String, files: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
         let inputs = files
             .into_iter()
             .map(|path| {
-                let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+                let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
                 let hash = Sha256::digest(&bytes);
                 Ok(Input {
                     file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
                     sha256: hash.iter().map(|b| format!("{b:02x}")).collect(),
                 })
             })
-            .collect::<anyhow::Result<_>>()?;
+            .collect::<Result<_>>()?;
         Ok(Self { version: env!("CARGO_PKG_VERSION"), model, inputs })
     }
 
@@ -51,11 +51,7 @@ impl Provenance {
     /// # Errors
     ///
     /// If one of them can no longer be read.
-    pub fn of_campaign(
-        campaign: &sealegs_sysid::Campaign,
-        model: String,
-        others: &[&Path],
-    ) -> anyhow::Result<Self> {
+    pub fn of_campaign(campaign: &sealegs_sysid::Campaign, model: String, others: &[&Path]) -> Result<Self> {
         let runs = campaign.runs.iter().map(|r| r.path.as_path());
         Self::new(model, std::iter::once(campaign.file.as_path()).chain(runs).chain(others.iter().copied()))
     }

@@ -2,7 +2,7 @@
 
 use super::outcome::{ParameterValue, Side, parameters, sensors};
 use super::provenance::Provenance;
-use crate::failure::{OrBadInput, bad_input};
+use crate::{Error, Result};
 use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter};
 use sealegs_sysid::diagnose::{
     Candidate, Options, Promise, Starts, fit_holding, reconciled, screen, tuned, with_effects,
@@ -111,8 +111,8 @@ pub fn add(
     model: &dyn Model,
     effects: &[String],
     tell: &dyn Fn(String),
-) -> anyhow::Result<Added> {
-    let data = Data::new(campaign, Some(Role::Fit), model).or_bad_input()?;
+) -> Result<Added> {
+    let data = Data::new(campaign, Some(Role::Fit), model)?;
     tell("refitting the model as it is".to_owned());
     let base_fit = fit::fit(&data, model, &FitOptions::of(model))?;
     let seen = data.excitation(&base_fit.evaluation.predictions);
@@ -128,14 +128,14 @@ pub fn add(
             after = Some(grown);
         }
     }
-    let after = after.ok_or_else(|| bad_input("no effect was named"))?;
+    let after = after.ok_or_else(|| Error::NoEffect)?;
     tell("fitting everything together".to_owned());
     let after = if fit::has_many_parameters(model) { after } else { reconciled(&data, model, &seen, after) };
     let after = finished(&data, model, effects, &seen, after)?;
     let mut work = data.work();
     let (mut before_holdout, mut after_holdout) = (None, None);
     if campaign.runs_of(Role::Holdout).next().is_some() {
-        let holdout = Data::new(campaign, Some(Role::Holdout), model).or_bad_input()?;
+        let holdout = Data::new(campaign, Some(Role::Holdout), model)?;
         let judge = |c: &Candidate| holdout.judge(c.model.as_ref(), &c.fit.values, c.fit.sensors());
         before_holdout = Some(judge(&before)?);
         after_holdout = Some(judge(&after)?);
@@ -146,18 +146,18 @@ pub fn add(
 }
 
 /// Whether the model can have all of these effects.
-fn check(model: &dyn Model, effects: &[String], seen: &Excitation) -> anyhow::Result<()> {
+fn check(model: &dyn Model, effects: &[String], seen: &Excitation) -> Result<()> {
     let mut with = model.clone_box();
     for effect in effects {
         if with.included().contains(effect) {
-            return Err(bad_input(format!("{} includes '{effect}' already", model.name())));
+            return Err(Error::AlreadyIncluded { model: model.name(), effect: effect.clone() });
         }
-        with = with.with_effect(effect, seen).map_err(|e| match e {
+        with = with.with_effect(effect, seen).map_err(|source| match source {
             ModelError::UnknownEffect { .. } => {
-                let known: Vec<String> = with.effects(seen).into_iter().map(|c| c.id).collect();
-                bad_input(format!("{e} (it can have {})", known.join(", ")))
+                let known = with.effects(seen).into_iter().map(|c| c.id).collect();
+                Error::UnknownEffect { source, known }
             }
-            other => bad_input(other),
+            other => other.into(),
         })?;
     }
     Ok(())
@@ -171,7 +171,7 @@ fn grow(
     order: &[String],
     seen: &Excitation,
     tell: &dyn Fn(String),
-) -> anyhow::Result<Candidate> {
+) -> Result<Candidate> {
     let mut grown = before.clone();
     for effect in order {
         tell(format!("trying starting values of {effect}"));
@@ -213,11 +213,11 @@ fn finished(
     effects: &[String],
     seen: &Excitation,
     candidate: Candidate,
-) -> anyhow::Result<Candidate> {
+) -> Result<Candidate> {
     let model = with_effects(base, effects, seen)?;
     let known = candidate.known();
     let mut best: Option<Fit> = None;
-    let mut attempt = |start: Vec<f64>| -> anyhow::Result<bool> {
+    let mut attempt = |start: Vec<f64>| -> Result<bool> {
         let options = FitOptions { last: true, ..candidate.onward(base, start) };
         let fitted = fit_holding(data, model.as_ref(), &options)?;
         if best.as_ref().is_none_or(|b| fitted.cost < b.cost) {
@@ -240,6 +240,6 @@ fn finished(
             attempt(start(false))?;
         }
     }
-    let fit = best.ok_or_else(|| bad_input("no effect was named"))?;
+    let fit = best.ok_or_else(|| Error::NoEffect)?;
     Ok(Candidate::exactly(data, effects.to_vec(), model, fit))
 }
