@@ -13,3 +13,9 @@ pub fn spinner() -> ProgressBar {
     bar.enable_steady_tick(Duration::from_millis(120));
     bar
 }
+
+/// Shows on the spinner what is being tried.
+pub fn on(bar: &ProgressBar) -> impl Fn(&str) + Send + Sync + use<> {
+    let bar = bar.clone();
+    move |what| bar.set_message(what.to_owned())
+}

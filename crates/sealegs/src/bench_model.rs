@@ -3,7 +3,7 @@
 use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::plan;
-use crate::{Error, Result};
+use crate::{Error, ModelSource, Result};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
 use sealegs_actuator::effect::Effect;
@@ -26,13 +26,34 @@ pub fn of_campaign(
     model: Option<&Path>,
     own: Vec<Arc<dyn Effect>>,
 ) -> Result<BenchModel> {
+    of_source(campaign, &ModelSource::from(model), own)
+}
+
+/// As [`of_campaign`], of an actuator that may be no file.
+///
+/// # Errors
+///
+/// As [`of_campaign`], and a scenario in place of an actuator.
+pub fn of_source(
+    campaign: &mut Campaign,
+    model: &ModelSource,
+    own: Vec<Arc<dyn Effect>>,
+) -> Result<BenchModel> {
     let bench = match campaign.bench {
         campaign::Bench::Pendulum => Bench::Pendulum(PendulumRig::default()),
         _ => Bench::Locked,
     };
     let spec = match model {
-        Some(path) => ActuatorSpec::load(&path.to_string_lossy(), None)?,
-        None => ActuatorSpec::load(&campaign.actuator, Some(campaign.folder()))
+        ModelSource::File(path) => ActuatorSpec::load(&path.to_string_lossy(), None)?,
+        ModelSource::Actuator(spec) => (**spec).clone(),
+        ModelSource::Scenario(_) => {
+            return Err(Error::WrongModel {
+                model: model.label(campaign),
+                bench: campaign.bench.as_str(),
+                needed: "an actuator",
+            });
+        }
+        ModelSource::Campaign => ActuatorSpec::load(&campaign.actuator, Some(campaign.folder()))
             .map_err(|e| campaign.bad_model(e.to_string()))?,
     };
     let spec = match was_fitted_here(&spec.provenance, model, campaign)? {
@@ -42,8 +63,11 @@ pub fn of_campaign(
     for (channel, sensor) in &spec.sensors {
         campaign.state_sensor(channel, sensor.gain_std, sensor.bias_std);
     }
-    let file = model.unwrap_or(&campaign.file).to_owned();
-    BenchModel::with_own_effects(spec, bench, own).map_err(|source| Error::ModelFile { file, source })
+    let file = match model {
+        ModelSource::Campaign => campaign.file.clone(),
+        other => other.label(campaign).into(),
+    };
+    BenchModel::with_own_effects(spec, bench, own).map_err(|e| Error::ModelFile { file, source: Box::new(e) })
 }
 
 impl CampaignModel for BenchModel {

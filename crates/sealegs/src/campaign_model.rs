@@ -1,8 +1,8 @@
 //! The model of a campaign, whatever it was recorded on, and what commands ask of it beside predictions.
 
 use crate::diagnosis::addition::Added;
-use crate::diagnosis::provenance::Provenance;
-use crate::{Result, bench_model, leg_model};
+use crate::diagnosis::provenance::{Input, Provenance};
+use crate::{ModelSource, Result, bench_model, leg_model};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_model::Model;
@@ -64,13 +64,26 @@ pub fn with_own_effects(
     model: Option<&Path>,
     own: &[PathBuf],
 ) -> Result<Box<dyn CampaignModel>> {
+    of_source(campaign, &ModelSource::from(model), own)
+}
+
+/// As [`with_own_effects`], of a model that may be no file.
+///
+/// # Errors
+///
+/// As [`with_own_effects`], and a model of another kind than the campaign's.
+pub fn of_source(
+    campaign: &mut Campaign,
+    model: &ModelSource,
+    own: &[PathBuf],
+) -> Result<Box<dyn CampaignModel>> {
     let own = own
         .iter()
         .map(|path| Ok(Arc::new(OwnEffect::load(path)?) as Arc<dyn Effect>))
         .collect::<Result<Vec<_>>>()?;
     let model: Box<dyn CampaignModel> = match campaign.bench {
-        campaign::Bench::Leg => Box::new(leg_model::of_campaign(campaign, model, own)?),
-        _ => Box::new(bench_model::of_campaign(campaign, model, own)?),
+        campaign::Bench::Leg => Box::new(leg_model::of_source(campaign, model, own)?),
+        _ => Box::new(bench_model::of_source(campaign, model, own)?),
     };
     let seen: &dyn Model = model.as_ref();
     campaign.check_against(seen)?;
@@ -83,19 +96,16 @@ pub fn with_own_effects(
 /// and every interval would come out too narrow. A remark in the campaign says that it is not.
 pub(crate) fn was_fitted_here(
     provenance: &BTreeMap<String, String>,
-    model: Option<&Path>,
+    model: &ModelSource,
     campaign: &mut Campaign,
 ) -> Result<bool> {
     let Some(inputs) = provenance.get(INPUTS) else { return Ok(false) };
-    let runs = campaign.runs_of(campaign::Role::Fit).map(|run| run.path.as_path());
-    let runs = Provenance::new(String::new(), runs)?;
-    let own = runs.inputs.iter().any(|run| inputs.contains(&run.sha256));
+    let runs = campaign.runs_of(campaign::Role::Fit).map(Input::of_run).collect::<Result<Vec<_>>>()?;
+    let own = runs.iter().any(|run| inputs.contains(&run.sha256));
     if own {
-        let stated = campaign.scenario.as_ref().unwrap_or(&campaign.actuator);
-        let file = model.map_or_else(|| campaign.folder().join(stated), Path::to_owned);
+        let label = model.label(campaign);
         campaign.notes.push(format!(
-            "{}: was fitted to runs of this campaign; its standard errors do not count as known beforehand",
-            file.display()
+            "{label}: was fitted to runs of this campaign; its standard errors do not count as known beforehand"
         ));
     }
     Ok(own)

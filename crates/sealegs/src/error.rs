@@ -34,7 +34,7 @@ pub enum Error {
         /// The campaign file or the model file.
         file: PathBuf,
         /// Why not.
-        source: ActuatorError,
+        source: Box<ActuatorError>,
     },
     /// A run's own scenario is not usable.
     #[error("{}: scenario of {run}: {source}", file.display())]
@@ -44,7 +44,7 @@ pub enum Error {
         /// The run's file name.
         run: String,
         /// Why not.
-        source: LegError,
+        source: Box<LegError>,
     },
     /// A column of a run commands nothing that the model has.
     #[error("{}, line 1, column '{channel}': {reason}", file.display())]
@@ -75,6 +75,37 @@ pub enum Error {
     /// No effect was named where one is to be added.
     #[error("no effect was named")]
     NoEffect,
+    /// An effect is named in a way that names none, or twice.
+    #[error("'{effect}' {problem}")]
+    BadEffect {
+        /// As it was named.
+        effect: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// The model is of another kind than the campaign: an actuator for a leg, or a scenario for a bench.
+    #[error("{model}: a campaign on the {bench} bench needs {needed}")]
+    WrongModel {
+        /// The model as it was given.
+        model: String,
+        /// The campaign's bench.
+        bench: &'static str,
+        /// What would be right.
+        needed: &'static str,
+    },
+    /// A command has not one value for each time stamp.
+    #[error("{channel}: {rows} values for {expected} time stamps")]
+    Length {
+        /// The command's channel.
+        channel: String,
+        /// Its values.
+        rows: usize,
+        /// The time stamps.
+        expected: usize,
+    },
+    /// The work was ended by [`Stop`](crate::Stop).
+    #[error("stopped")]
+    Stopped,
     /// A sealed answer is damaged, or of another version.
     #[error("{problem}")]
     SealedAnswer {
@@ -108,7 +139,7 @@ impl Error {
             Self::Campaign(error) => matches!(error, Campaign::BadFile { .. } | Campaign::NoRun { .. }),
             Self::Leg(error) => !matches!(error, LegError::NotFinite { .. } | LegError::Observer(_)),
             Self::Model(error) => !matches!(error, ModelError::NotFinite { .. }),
-            Self::Recording(_) | Self::Io { .. } | Self::Unwritable { .. } => false,
+            Self::Recording(_) | Self::Io { .. } | Self::Unwritable { .. } | Self::Stopped => false,
             Self::Actuator(_)
             | Self::ModelFile { .. }
             | Self::RunScenario { .. }
@@ -116,6 +147,9 @@ impl Error {
             | Self::UnknownEffect { .. }
             | Self::AlreadyIncluded { .. }
             | Self::NoEffect
+            | Self::BadEffect { .. }
+            | Self::WrongModel { .. }
+            | Self::Length { .. }
             | Self::SealedAnswer { .. } => true,
         }
     }

@@ -3,7 +3,7 @@
 use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::plan;
-use crate::{Error, Result};
+use crate::{Error, ModelSource, Result};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_leg::model::LegModel;
@@ -26,11 +26,32 @@ pub fn of_campaign(
     model: Option<&Path>,
     own: Vec<Arc<dyn Effect>>,
 ) -> Result<LegModel> {
+    of_source(campaign, &ModelSource::from(model), own)
+}
+
+/// As [`of_campaign`], of a scenario that may be no file.
+///
+/// # Errors
+///
+/// As [`of_campaign`], and an actuator in place of a scenario.
+pub fn of_source(
+    campaign: &mut Campaign,
+    model: &ModelSource,
+    own: Vec<Arc<dyn Effect>>,
+) -> Result<LegModel> {
     let nominal = beside(campaign, campaign.scenario.as_deref().unwrap_or_default())
         .map_err(|e| campaign.bad_model(e.to_string()))?;
     let scenario = match model {
-        Some(path) => Scenario::load(&path.to_string_lossy(), &[])?,
-        None => nominal.clone(),
+        ModelSource::File(path) => Scenario::load(&path.to_string_lossy(), &[])?,
+        ModelSource::Scenario(scenario) => (**scenario).clone(),
+        ModelSource::Actuator(_) => {
+            return Err(Error::WrongModel {
+                model: model.label(campaign),
+                bench: campaign.bench.as_str(),
+                needed: "a scenario",
+            });
+        }
+        ModelSource::Campaign => nominal.clone(),
     };
     let scenario = match was_fitted_here(&scenario.provenance, model, campaign)? {
         true => scenario.without_fitted_std(),
@@ -41,10 +62,10 @@ pub fn of_campaign(
         let Some(name) = run.scenario.as_deref() else { continue };
         let record = &run.record.name;
         if runs.iter().all(|(known, _)| known != record) {
-            let scenario = beside(campaign, name).map_err(|source| Error::RunScenario {
+            let scenario = beside(campaign, name).map_err(|e| Error::RunScenario {
                 file: campaign.file.clone(),
                 run: record.clone(),
-                source,
+                source: Box::new(e),
             })?;
             runs.push((record.clone(), scenario));
         }

@@ -4,7 +4,7 @@ use crate::output::NewFolder;
 use crate::progress;
 use clap::{Args, ValueEnum};
 use sealegs::mystery::{self, Mystery, answer, bench_mystery, leg_mystery};
-use sealegs_reference::campaign::Rig;
+use sealegs::reference::campaign::Rig;
 use std::io::Write;
 use std::path::PathBuf;
 
