@@ -1,8 +1,8 @@
 //! An effect that the base model hides: where nothing is known of its damping, a slow torque sensor's lag is taken up by
 //! it, and alone or beside friction the lag promises nothing from there.
 
+use sealegs::bench_model;
 use sealegs_actuator::excitation::Profile;
-use sealegs_cli::bench_model;
 use sealegs_reference::Reference;
 use sealegs_sysid::diagnose::{Diagnosis, VerdictKind};
 use sealegs_sysid::{Campaign, diagnose};

@@ -1,7 +1,7 @@
 //! A slice of the recovery matrix: the whole of it takes hours (`cargo run --release --example recovery_matrix`).
 
-use sealegs_cli::mystery::score::Score;
-use sealegs_cli::mystery::trial::Strength;
+use sealegs::mystery::score::Score;
+use sealegs::mystery::trial::Strength;
 use sealegs_reference::campaign::Rig;
 use sealegs_tests::matrix::{Case, run, table};
 

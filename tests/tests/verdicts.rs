@@ -2,10 +2,10 @@
 //! one moment alone has felt where it explains all of it, a count a thousandth of the greatest command, and a delay that
 //! may be a sample longer.
 
+use sealegs::bench_model;
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::Bench;
 use sealegs_actuator::excitation::Profile;
-use sealegs_cli::bench_model;
 use sealegs_reference::Reference;
 use sealegs_sysid::diagnose::Diagnosis;
 use sealegs_sysid::{Campaign, diagnose};

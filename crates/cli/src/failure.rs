@@ -1,7 +1,6 @@
 //! How a failure reaches the shell: one message on standard error, and the exit status.
 
 use std::fmt;
-use std::process::ExitCode;
 
 /// Exit status of a run in which a limit stated on the command line was passed.
 pub const LIMIT_PASSED: u8 = 3;
@@ -36,16 +35,29 @@ impl<T, E: fmt::Display> OrBadInput<T> for Result<T, E> {
 }
 
 /// Prints the error in one line and chooses the exit status.
-pub fn report(error: &anyhow::Error) -> ExitCode {
+#[must_use]
+pub fn report(error: &anyhow::Error) -> u8 {
     // A reader that has gone away (`| head`) is no failure of ours to talk about.
     if error.chain().any(|e| {
         e.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
     }) {
-        return ExitCode::from(1);
+        return 1;
     }
-    eprintln!("sealegs: {}", one_line(&format!("{error:#}")));
-    let bad_input = error.chain().any(|e| e.downcast_ref::<BadInput>().is_some());
-    ExitCode::from(if bad_input { 2 } else { 1 })
+    eprintln!("sealegs: {}", one_line(&message(error)));
+    let bad_input = error.chain().any(|e| {
+        e.downcast_ref::<BadInput>().is_some()
+            || e.downcast_ref::<sealegs::Error>().is_some_and(sealegs::Error::is_bad_input)
+    });
+    if bad_input { 2 } else { 1 }
+}
+
+/// The error and its causes; a cause that the message before it quotes already is not said twice.
+fn message(error: &anyhow::Error) -> String {
+    error.chain().map(ToString::to_string).fold(String::new(), |said, cause| match said.as_str() {
+        "" => cause,
+        text if text.contains(&cause) => said,
+        text => format!("{text}: {cause}"),
+    })
 }
 
 /// A message in one line: it may quote a file's text, line breaks and all.
@@ -56,6 +68,14 @@ fn one_line(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cause_is_said_once() {
+        let source = sealegs::model::ModelError::NotFinite { time_s: 0.5, what: "deflection".to_owned() };
+        let error = sealegs::sysid::Error::Model { run: "a.csv".to_owned(), source };
+        let error = anyhow::Error::new(sealegs::Error::from(error)).context("while fitting");
+        assert_eq!(message(&error), "while fitting: a.csv: deflection is no longer finite at 0.5 s");
+    }
 
     #[test]
     fn a_quoted_line_break_does_not_break_the_message() {

@@ -3,19 +3,15 @@
 //!
 //! Exit status: 0 done, 2 bad input, 3 a limit stated on the command line was passed, 1 anything else.
 
-pub mod bench_model;
-pub mod campaign_model;
-pub mod comparison;
-pub mod diagnosis;
 pub mod failure;
-pub mod leg_model;
-mod leg_scene;
-pub mod mystery;
 pub mod output;
+pub mod progress;
 pub mod reproduce;
 pub mod verb;
 
 use clap::Parser;
+use std::ffi::OsString;
+use std::sync::OnceLock;
 
 /// A sandbox for humanoid legs driven by linear series elastic actuators.
 #[derive(Parser)]
@@ -33,9 +29,33 @@ struct Arguments {
 /// Runs the command line of this process.
 #[must_use]
 pub fn run() -> std::process::ExitCode {
+    std::process::ExitCode::from(run_with(std::env::args_os()))
+}
+
+/// Runs a command line, the program's name first; returns the exit status.
+///
+/// Ctrl-C ends the process from here on, after the unfinished files are removed.
+#[must_use]
+pub fn run_with<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
     output::remove_unfinished_on_interrupt();
-    match verb::run(Arguments::parse().verb) {
-        Ok(status) => std::process::ExitCode::from(status),
-        Err(error) => failure::report(&error),
+    let words: Vec<_> = arguments.iter().map(|a| a.to_string_lossy()).collect();
+    // Only the first command line of a process counts; there is no second one.
+    let _ = COMMAND.set(words.join(" "));
+    match Arguments::try_parse_from(&arguments) {
+        Ok(arguments) => verb::run(arguments.verb).unwrap_or_else(|error| failure::report(&error)),
+        Err(error) => {
+            // Help and errors alike; a closed pipe is nobody's fault.
+            let _ = error.print();
+            u8::try_from(error.exit_code()).unwrap_or(2)
+        }
     }
+}
+
+/// The command line as it was given, for what reports say of their origin.
+static COMMAND: OnceLock<String> = OnceLock::new();
+
+/// The command line as it was given.
+pub(crate) fn command() -> String {
+    COMMAND.get().cloned().unwrap_or_default()
 }

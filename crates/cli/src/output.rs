@@ -2,6 +2,7 @@
 
 use crate::failure::bad_input;
 use anyhow::Context;
+use sealegs::recorder::recording;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -67,6 +68,18 @@ impl Destination {
     /// standard output.
     pub fn part(&self) -> Option<&Path> {
         self.unfinished.as_deref()
+    }
+
+    /// Writes a recording of a comparison and puts it in place; standard output takes none.
+    ///
+    /// # Errors
+    ///
+    /// If the disk does not take it.
+    pub fn record(self, recording: &recording::Comparison) -> anyhow::Result<()> {
+        if let Some(part) = self.part() {
+            recording.write(&recording::Output::File(part.to_owned()))?;
+        }
+        self.finish()
     }
 
     /// Writes everything and puts it in place.

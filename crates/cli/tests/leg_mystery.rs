@@ -1,9 +1,9 @@
 //! A mystery on a whole leg: what is sealed is what is in the files.
 
-use sealegs_cli::campaign_model;
-use sealegs_cli::mystery::answer::Answer;
-use sealegs_model::Model;
-use sealegs_sysid::{Campaign, Data};
+use sealegs::campaign_model;
+use sealegs::model::Model;
+use sealegs::mystery::answer::Answer;
+use sealegs::sysid::{Campaign, Data};
 use std::path::Path;
 use std::process::{Command, Output};
 

@@ -31,6 +31,38 @@ pub struct RunResult {
     pub stopped: Option<String>,
 }
 
+/// What came of a run, and every channel of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recorded {
+    /// Peaks, events and the energy balance.
+    pub result: RunResult,
+    /// The channels, one value for each of the scenario's sample periods.
+    pub channels: Channels,
+}
+
+impl Scenario {
+    /// Runs the scenario to its end, and keeps its channels.
+    ///
+    /// ```
+    /// use sealegs_leg::scenario::Scenario;
+    ///
+    /// let drop = Scenario::load("thor-drop", &["duration_s=0.1".to_owned()])?;
+    /// let recorded = drop.run()?;
+    /// let height_m = recorded.channels.get("base.height_m").expect("a leg has a base");
+    /// assert!(height_m.last() < height_m.first());
+    /// # Ok::<(), sealegs_leg::LegError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`run`].
+    pub fn run(&self) -> Result<Recorded, LegError> {
+        let mut channels = Channels::default();
+        let result = run(self, &mut channels)?;
+        Ok(Recorded { result, channels })
+    }
+}
+
 /// Runs a scenario to its end.
 ///
 /// A state that is no longer finite ends the run early: the result then says so in `stopped`, and the

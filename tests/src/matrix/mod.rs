@@ -8,10 +8,10 @@ mod table;
 
 pub use table::{error, table};
 
+use sealegs::bench_model;
+use sealegs::mystery::score::{Score, score};
+use sealegs::mystery::trial::{Strength, visible};
 use sealegs_actuator::ActuatorSpec;
-use sealegs_cli::bench_model;
-use sealegs_cli::mystery::score::{Score, score};
-use sealegs_cli::mystery::trial::{Strength, visible};
 use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
 use sealegs_sysid::fit::FittedParameter;
 use sealegs_sysid::{Campaign, diagnose};

@@ -1,8 +1,8 @@
 //! The matrix as a dated page of Markdown.
 
 use super::{DURATION_S, INVISIBLE, NOTHING, Outcome, Stated};
-use sealegs_cli::mystery::score::Score;
-use sealegs_cli::mystery::trial::Strength;
+use sealegs::mystery::score::Score;
+use sealegs::mystery::trial::Strength;
 use sealegs_reference::campaign::{BEYOND, Rig};
 use std::collections::BTreeMap;
 use std::fmt::Write;

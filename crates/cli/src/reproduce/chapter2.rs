@@ -1,10 +1,10 @@
 //! Chapters 1 and 2: counts, ratings, materials, the SAFFiR cantilever and the THOR moment-loaded beam.
 
 use anyhow::Context;
-use sealegs_actuator::spring::{
+use sealegs::actuator::spring::{
     BeamLaw, ClampSetting, EndLoadedBeam, Material, MomentLoadedBeam, SofterThanDesigned, Spring,
 };
-use sealegs_actuator::{ActuatorSpec, Coefficients};
+use sealegs::actuator::{ActuatorSpec, Coefficients};
 
 use super::ledger::Ledger;
 

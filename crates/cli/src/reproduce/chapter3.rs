@@ -1,6 +1,6 @@
 //! Chapter 3: the extracted parameters and the high-impedance bench.
 
-use sealegs_actuator::response::{
+use sealegs::actuator::response::{
     Feature, ForceResponse, HALF_POWER_DB, SecondOrderFit, Transfer, crossings, db, peaks,
 };
 

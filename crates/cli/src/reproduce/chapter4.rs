@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 
 use anyhow::Context;
-use sealegs_actuator::bench::{Bench, BenchModel};
-use sealegs_actuator::response::{
+use sealegs::actuator::bench::{Bench, BenchModel};
+use sealegs::actuator::response::{
     CompensatorBound, ForceResponse, Link, Transfer, db, forces_differ_hz, peaks, plant, plant_bandwidth_hz,
     pure_force_source_hz, pure_force_source_min_stiffness,
 };
-use sealegs_actuator::{Coefficients, Configuration};
-use sealegs_model::{InputHold, Model, Record, Signal};
+use sealegs::actuator::{Coefficients, Configuration};
+use sealegs::model::{InputHold, Model, Record, Signal};
 
 use super::equations::{sbn_deviation, smh_deviation};
 use super::ledger::Ledger;

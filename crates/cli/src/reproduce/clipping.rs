@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 
 use anyhow::Context;
 use rayon::prelude::*;
-use sealegs_actuator::Coefficients;
-use sealegs_actuator::Configuration;
-use sealegs_actuator::bench::{Bench, BenchModel};
-use sealegs_actuator::compensator::ClippedCompensator;
-use sealegs_actuator::plant::Grid;
-use sealegs_actuator::response::{CompensatorBound, HALF_POWER_DB};
-use sealegs_model::Model;
+use sealegs::actuator::Coefficients;
+use sealegs::actuator::Configuration;
+use sealegs::actuator::bench::{Bench, BenchModel};
+use sealegs::actuator::compensator::ClippedCompensator;
+use sealegs::actuator::plant::Grid;
+use sealegs::actuator::response::{CompensatorBound, HALF_POWER_DB};
+use sealegs::model::Model;
 
 use super::chapter4::{AMPLITUDE_N, CURRENT_LIMIT_A};
 use super::ledger::Ledger;

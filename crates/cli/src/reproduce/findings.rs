@@ -107,7 +107,7 @@ fn table_8(r: &Reproduction) -> Finding {
 
 fn bound(r: &Reproduction) -> Finding {
     let (soft, stiff) = (&r.table_8[1], &r.table_8[3]);
-    let loose = |p: &sealegs_actuator::design::Performance| {
+    let loose = |p: &sealegs::actuator::design::Performance| {
         100.0 * (p.bound_hz / p.simulated_hz.unwrap_or(f64::NAN) - 1.0)
     };
     Finding {

@@ -1,7 +1,7 @@
 //! The reproduction as one self-contained page.
 
-use sealegs_recorder::chart::Picture;
-use sealegs_recorder::report::{Provenance, Report, Table, Tone};
+use sealegs::recorder::chart::Picture;
+use sealegs::recorder::report::{Provenance, Report, Table, Tone};
 
 use super::figures::figures;
 use super::findings::findings;

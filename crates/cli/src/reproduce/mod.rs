@@ -21,8 +21,8 @@ pub use ledger::{Ledger, Row};
 pub use published::Verdict;
 
 use rehearsal::Rehearsals;
-use sealegs_actuator::design::{Performance, table_8};
-use sealegs_actuator::spring::{ClampSetting, MomentLoadedBeam, SofterThanDesigned};
+use sealegs::actuator::design::{Performance, table_8};
+use sealegs::actuator::spring::{ClampSetting, MomentLoadedBeam, SofterThanDesigned};
 use thor::Thor;
 
 /// Everything that was recomputed.

@@ -1,9 +1,9 @@
 //! The moving output by closed form, and what would have to differ for the printed peaks to come out.
 
 use anyhow::Context;
-use sealegs_actuator::Coefficients;
-use sealegs_actuator::bench::PendulumRig;
-use sealegs_actuator::response::{Feature, ForceResponse, Link, dips, peaks};
+use sealegs::actuator::Coefficients;
+use sealegs::actuator::bench::PendulumRig;
+use sealegs::actuator::response::{Feature, ForceResponse, Link, dips, peaks};
 use serde::Serialize;
 
 use super::ledger::Ledger;
@@ -107,7 +107,7 @@ pub fn explanations(thor: &Thor) -> anyhow::Result<Vec<Explanation>> {
     let rod = |kg: f64| {
         // A uniform rod of the link's length adds m L^2/3 of inertia and m g L/2 of gravity.
         let a2 = rig.arm_m * rig.arm_m;
-        let gravity = kg * sealegs_actuator::plant::GRAVITY_M_S2 * rig.length_m / 2.0;
+        let gravity = kg * sealegs::actuator::plant::GRAVITY_M_S2 * rig.length_m / 2.0;
         (STIFF_N_M, base.0 + kg * rig.length_m.powi(2) / 3.0 / a2, base.1 + gravity / a2)
     };
     let centre = |m: f64| {

@@ -2,11 +2,11 @@
 //! 400 Hz, through the product's own integrator and H1 estimate.
 
 use rayon::prelude::*;
-use sealegs_actuator::Configuration;
-use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
-use sealegs_actuator::excitation::Profile;
-use sealegs_model::{InputHold, Model, Record, Signal};
-use sealegs_sysid::frf::{
+use sealegs::actuator::Configuration;
+use sealegs::actuator::bench::{Bench, BenchModel, PendulumRig};
+use sealegs::actuator::excitation::Profile;
+use sealegs::model::{InputHold, Model, Record, Signal};
+use sealegs::sysid::frf::{
     Estimator, FitWeight, FrequencyResponse, Hold, SecondOrder, Welch, fit_second_order, peak_near,
     trough_near,
 };

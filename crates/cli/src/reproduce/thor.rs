@@ -1,9 +1,9 @@
 //! The actuators of chapters 3 and 4: Table 5 with the printed stiffnesses, in the three models.
 
-use sealegs_actuator::bench::PendulumRig;
-use sealegs_actuator::plant::GRAVITY_M_S2;
-use sealegs_actuator::response::Link;
-use sealegs_actuator::{ActuatorSpec, Coefficients, Configuration};
+use sealegs::actuator::bench::PendulumRig;
+use sealegs::actuator::plant::GRAVITY_M_S2;
+use sealegs::actuator::response::Link;
+use sealegs::actuator::{ActuatorSpec, Coefficients, Configuration};
 
 /// Printed stiffness of the stiff setting, N/m.
 pub const STIFF_N_M: f64 = 655e3;

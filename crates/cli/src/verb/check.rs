@@ -1,14 +1,14 @@
 //! `sealegs check`: what a campaign holds and what it can identify, before any fit.
 
-use crate::campaign_model;
-use crate::diagnosis::text::figures;
 use crate::failure::OrBadInput;
 use crate::output::Destination;
 use clap::Args;
-use sealegs_model::Unit;
-use sealegs_sysid::Campaign;
-use sealegs_sysid::campaign::NoiseOrigin;
-use sealegs_sysid::check::{self, Check, EffectCheck};
+use sealegs::campaign_model;
+use sealegs::diagnosis::text::figures;
+use sealegs::model::Unit;
+use sealegs::sysid::Campaign;
+use sealegs::sysid::campaign::NoiseOrigin;
+use sealegs::sysid::check::{self, Check, EffectCheck};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,16 +1,11 @@
 //! `sealegs compare`: where the model fails, and by how much.
 
-use crate::campaign_model;
-use crate::comparison;
-use crate::diagnosis::provenance::Provenance;
 use crate::failure::OrBadInput;
 use crate::output::Destination;
 use clap::Args;
-use sealegs_recorder::recording::Output;
-use sealegs_sysid::Campaign;
+use sealegs::{Campaign, ModelSource, Options};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// Show where the model fails on a campaign, and by how much
 #[derive(Args)]
@@ -41,39 +36,30 @@ pub struct Compare {
 /// Bad input for a campaign or model file with an error in it; otherwise if an output file cannot be written
 /// or the model cannot be simulated.
 pub fn run(arguments: &Compare) -> anyhow::Result<u8> {
-    let started = Instant::now();
-    let mut campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
-    let model = campaign_model::of_campaign(&mut campaign, arguments.model.as_deref())?;
+    let campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
     let json = Destination::optional(arguments.json.as_ref())?;
     let report = Destination::optional(arguments.report.as_ref())?;
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
 
-    let level = campaign.noise_floor();
-    let compared = comparison::compare(&campaign, model.as_ref(), level, arguments.as_is)?;
-    let took = started.elapsed();
-
-    let others: Vec<&Path> = arguments.model.iter().map(PathBuf::as_path).collect();
-    let provenance = Provenance::of_campaign(&campaign, model.name(), &others)?;
+    let options = Options::new()
+        .model(ModelSource::from(arguments.model.as_deref()))
+        .as_is(arguments.as_is)
+        .command(crate::command());
+    let comparison = sealegs::compare(&campaign, options)?;
     if let Some(destination) = rrd {
-        let recording = comparison::recording(&compared, compared.sentence());
-        if let Some(part) = destination.part() {
-            recording.write(&Output::File(part.to_owned()))?;
-        }
-        destination.finish()?;
+        destination.record(&comparison.recording()?)?;
     }
     if let Some(destination) = report {
-        let command = std::env::args().collect::<Vec<_>>().join(" ");
-        destination.write(comparison::page(&compared, &command, &provenance).as_bytes())?;
+        destination.write(comparison.to_html()?.as_bytes())?;
     }
     if let Some(destination) = json {
-        let summary = comparison::Summary::new(&compared, provenance);
-        destination.write((serde_json::to_string_pretty(&summary)? + "\n").as_bytes())?;
+        destination.write((comparison.to_json()? + "\n").as_bytes())?;
     }
     if arguments.json.as_deref() != Some(Path::new("-")) {
-        for note in &campaign.notes {
+        for note in &comparison.campaign().notes {
             eprintln!("sealegs: note: {note}");
         }
-        write!(std::io::stdout().lock(), "{}", comparison::text(&compared, took))?;
+        write!(std::io::stdout().lock(), "{}", comparison.to_text()?)?;
     }
     Ok(0)
 }

@@ -4,11 +4,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use sealegs_actuator::design::{Criterion, Design, DesignRequest, Performance, design, table_8};
-use sealegs_actuator::spring::Spring;
-use sealegs_actuator::{ActuatorSpec, Configuration};
-use sealegs_leg::impact::{ImpactTable, sweep};
-use sealegs_leg::scenario::{Scenario, SweepSpec};
+use sealegs::actuator::design::{Criterion, Design, DesignRequest, Performance, design, table_8};
+use sealegs::actuator::spring::Spring;
+use sealegs::actuator::{ActuatorSpec, Configuration};
+use sealegs::leg::impact::{ImpactTable, sweep};
+use sealegs::leg::scenario::{Scenario, SweepSpec};
 use serde_json::json;
 
 use crate::failure::OrBadInput;

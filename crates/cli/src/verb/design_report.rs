@@ -1,11 +1,11 @@
 //! The page of `sealegs design`.
 
-use sealegs_actuator::ActuatorSpec;
-use sealegs_actuator::Coefficients;
-use sealegs_actuator::compensator::ClippedCompensator;
-use sealegs_actuator::response::{CompensatorBound, pure_force_source_hz};
-use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
-use sealegs_recorder::report::{Provenance, Report, Table, Tone};
+use sealegs::actuator::ActuatorSpec;
+use sealegs::actuator::Coefficients;
+use sealegs::actuator::compensator::ClippedCompensator;
+use sealegs::actuator::response::{CompensatorBound, pure_force_source_hz};
+use sealegs::recorder::chart::{Axis, Chart, Dash, Hue, Marker};
+use sealegs::recorder::report::{Provenance, Report, Table, Tone};
 
 use super::design::{Answer, DROP_HEADS, HEADS, drop_rows, performances, sentences};
 
@@ -29,7 +29,7 @@ pub fn html(spec: &ActuatorSpec, answer: &Answer) -> String {
         page.table(&table(&DROP_HEADS, drop_rows(drops)), &format!("One drop each, scenario {}; ground and carriage are estimates of that scenario. The spring is that of all actuators.", drops.scenario));
     }
     page.provenance(&Provenance {
-        command: std::env::args().collect::<Vec<_>>().join(" "),
+        command: crate::command(),
         versions: vec![("sealegs".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
         ..Provenance::default()
     });

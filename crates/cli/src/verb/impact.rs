@@ -4,8 +4,8 @@ use super::run::{load, progress};
 use crate::failure::{LIMIT_PASSED, OrBadInput, bad_input};
 use crate::output::Destination;
 use clap::Args;
-use sealegs_leg::impact::{ImpactTable, sweep};
-use sealegs_leg::scenario::SweepSpec;
+use sealegs::leg::impact::{ImpactTable, sweep};
+use sealegs::leg::scenario::SweepSpec;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -147,7 +147,8 @@ fn csv_of(table: &ImpactTable) -> anyhow::Result<Vec<u8>> {
     Ok(writer.into_inner()?)
 }
 
-fn text_of(table: &ImpactTable) -> String {
+/// The table for a terminal.
+pub(super) fn text_of(table: &ImpactTable) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,

@@ -2,9 +2,9 @@
 
 use crate::failure::OrBadInput;
 use clap::Args;
-use sealegs_actuator::ActuatorSpec;
-use sealegs_leg::robot::Robot;
-use sealegs_leg::scenario::{Scenario, preset_names};
+use sealegs::actuator::ActuatorSpec;
+use sealegs::leg::robot::Robot;
+use sealegs::leg::scenario::{Scenario, preset_names};
 use std::fmt::Write as _;
 use std::io::Write as _;
 

@@ -1,10 +1,10 @@
 //! `sealegs mystery`: a campaign with something hidden in it, to practise on.
 
-use crate::diagnosis::progress;
-use crate::mystery::{Level, Mystery, answer, bench_mystery, leg_mystery};
 use crate::output::NewFolder;
+use crate::progress;
 use clap::{Args, ValueEnum};
-use sealegs_reference::campaign::Rig;
+use sealegs::mystery::{self, Mystery, answer, bench_mystery, leg_mystery};
+use sealegs::reference::campaign::Rig;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -28,11 +28,29 @@ impl Bench {
         }
     }
 
-    fn mystery(self, name: &str, seed: u64, level: Level) -> anyhow::Result<Mystery> {
+    fn mystery(self, name: &str, seed: u64, level: mystery::Level) -> sealegs::Result<Mystery> {
         match self {
             Self::Locked => bench_mystery(name, Rig::Locked, seed, level),
             Self::Pendulum => bench_mystery(name, Rig::Pendulum, seed, level),
             Self::Leg => leg_mystery(name, seed, level),
+        }
+    }
+}
+
+/// How hard it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Level {
+    /// One effect of the catalogue that dominates the error.
+    Easy,
+    /// A weak effect, two at once, nothing at all, or one that is in no catalogue.
+    Hard,
+}
+
+impl From<Level> for mystery::Level {
+    fn from(level: Level) -> Self {
+        match level {
+            Level::Easy => Self::Easy,
+            Level::Hard => Self::Hard,
         }
     }
 }
@@ -64,7 +82,7 @@ pub fn run(arguments: &MysteryArguments) -> anyhow::Result<u8> {
     let name = format!("mystery-{}-{}", arguments.bench.as_str(), arguments.seed);
     let bar = progress::spinner();
     bar.set_message("hiding something where it shows, and recording four runs");
-    let made = arguments.bench.mystery(&name, arguments.seed, arguments.level);
+    let made = arguments.bench.mystery(&name, arguments.seed, arguments.level.into());
     bar.finish_and_clear();
     let made = made?;
     let sealed = made.answer.sealed()?;

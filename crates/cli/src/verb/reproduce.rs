@@ -37,7 +37,7 @@ pub fn run(arguments: &Reproduce) -> anyhow::Result<u8> {
         destination.write(text.as_bytes())?;
     }
     if let Some(destination) = report {
-        let command = std::env::args().collect::<Vec<_>>().join(" ");
+        let command = crate::command();
         destination.write(html::html(&reproduction, &command)?.as_bytes())?;
     }
     let to_stdout = |p: &Option<PathBuf>| p.as_deref() == Some(Path::new("-"));

@@ -1,9 +1,9 @@
 //! `sealegs reveal`: the answer of a mystery, and how a verdict stands against it.
 
 use crate::failure::{OrBadInput, bad_input};
-use crate::mystery::answer::{self, Answer};
-use crate::mystery::{Verdict, page};
 use clap::Args;
+use sealegs::mystery::answer::{self, Answer};
+use sealegs::mystery::{Verdict, page};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -1,14 +1,14 @@
 //! `sealegs run`: one scenario from beginning to end, to look at and to read.
 
 use crate::failure::{OrBadInput, bad_input};
-use crate::leg_scene::LegRecorder;
 use crate::output::Destination;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use sealegs_leg::scenario::Scenario;
-use sealegs_leg::simulation::{Event, LegDescription, Observer, Sample, Simulation};
-use sealegs_leg::{Channels, LegError, RunResult, run_simulation};
-use sealegs_recorder::recording::Output;
+use sealegs::leg::scenario::Scenario;
+use sealegs::leg::simulation::{Event, LegDescription, Observer, Sample, Simulation};
+use sealegs::leg::{Channels, LegError, RunResult, run_simulation};
+use sealegs::leg_scene::LegRecorder;
+use sealegs::recorder::recording::Output;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -146,7 +146,8 @@ fn csv_of(channels: &Channels) -> anyhow::Result<Vec<u8>> {
     Ok(writer.into_inner()?)
 }
 
-fn summary(result: &RunResult, joints: usize) -> String {
+/// Peaks, events and the energy balance, for a terminal.
+pub(super) fn summary(result: &RunResult, joints: usize) -> String {
     let mut out = String::new();
     let p = &result.peaks;
     let _ = writeln!(

@@ -1,12 +1,19 @@
-//! `sealegs tour`: the whole loop on the shipped drop of a leg, each step by the command that a user would type.
+//! `sealegs tour`: the whole loop on the shipped drop of a leg; each step shows the command that does the same.
 
-use crate::failure::bad_input;
+use super::impact;
+use super::run::summary as run_summary;
+use crate::failure::{OrBadInput, bad_input};
 use crate::output::Destination;
+use crate::progress;
 use anyhow::Context;
-use clap::{Args, Parser, Subcommand};
-use sealegs_recorder::chart::{Axis, Bar, BarChart, Hue};
-use sealegs_recorder::report::{Report, Tone};
-use serde_json::Value;
+use clap::Args;
+use sealegs::diagnosis::outcome::Outcome;
+use sealegs::leg::impact::{ImpactTable, sweep};
+use sealegs::leg::scenario::SweepSpec;
+use sealegs::recorder::chart::{Axis, Bar, BarChart, Hue};
+use sealegs::recorder::recording::Output;
+use sealegs::recorder::report::{Report, Tone};
+use sealegs::{Campaign, Options, Scenario, leg_scene};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -37,23 +44,7 @@ const CAMPAIGN: [(&str, &str); 9] = [
 const MODEL: &str = "thor-drop";
 
 /// Drops of the last step, m.
-const HEIGHTS: &str = "0.05,0.10";
-
-/// A step's command line, parsed as a user's would be.
-#[derive(Parser)]
-struct Line {
-    #[command(subcommand)]
-    verb: Step,
-}
-
-#[derive(Subcommand)]
-enum Step {
-    Run(super::run::Run),
-    Compare(super::compare::Compare),
-    Diagnose(super::diagnose::Diagnose),
-    Add(super::add::Add),
-    Impact(super::impact::Impact),
-}
+const HEIGHTS_M: [f64; 2] = [0.05, 0.10];
 
 /// Runs the verb.
 ///
@@ -63,84 +54,122 @@ enum Step {
 pub fn run(arguments: &Tour) -> anyhow::Result<u8> {
     let started = Instant::now();
     let folder = &arguments.output;
-    let campaign = folder.join("leg-drop");
-    std::fs::create_dir_all(&campaign)
-        .map_err(|e| bad_input(format!("{}: cannot be made: {e}", campaign.display())))?;
+    let data = folder.join("leg-drop");
+    std::fs::create_dir_all(&data)
+        .map_err(|e| bad_input(format!("{}: cannot be made: {e}", data.display())))?;
     for (name, text) in CAMPAIGN {
-        Destination::new(&campaign.join(name))?.write(text.as_bytes())?;
+        Destination::new(&data.join(name))?.write(text.as_bytes())?;
     }
-    let place = |name: &str| folder.join(name).display().to_string();
-    let data = campaign.display().to_string();
+    let campaign = Campaign::read(&data).or_bad_input()?;
+    let of_campaign = |verb: &str| format!("sealegs {verb} {}", data.display());
 
-    say("1. The leg drops, and every force in it is recorded.")?;
-    step(&["run", MODEL, "--rrd", &place("1-drop.rrd")])?;
-    say("2. The same drops, recorded elsewhere: where does the model fail?")?;
-    step(&["compare", &data, "--report", &place("2-compare.html"), "--json", &place("2-compare.json")])?;
-    say("3. Which physical effect is missing, and at which joint?")?;
-    let (found, report, rrd) = (place("3-diagnose.json"), place("3-diagnose.html"), place("3-diagnose.rrd"));
-    step(&["diagnose", &data, "--report", &report, "--rrd", &rrd, "--json", &found])?;
-    let diagnosis = read(&found)?;
-    let effects = names(&diagnosis["effects"]);
+    step("1. The leg drops, and every force in it is recorded.", &format!("sealegs run {MODEL}"))?;
+    drop_the_leg(folder)?;
+    step("2. The same drops, recorded elsewhere: where does the model fail?", &of_campaign("compare"))?;
+    compare(folder, &campaign, of_campaign("compare"))?;
+    step("3. Which physical effect is missing, and at which joint?", &of_campaign("diagnose"))?;
+    let outcome = diagnose(folder, &campaign, of_campaign("diagnose"))?;
     let mut impact = None;
-    if effects.is_empty() {
-        say("Nothing is to be added.")?;
-    } else {
-        say("4. It is added, and the error falls.")?;
-        let (set, better) = (effects.join("+"), place("better.toml"));
-        step(&[
-            "add",
-            &set,
-            "--to",
-            MODEL,
-            "--campaign",
-            &data,
-            "-o",
-            &better,
-            "--json",
-            &place("4-add.json"),
-        ])?;
-        say("5. What the missing effect would have cost in predicted impact forces.")?;
-        let (before, after) = (place("5-impact-before.json"), place("5-impact-after.json"));
-        for (model, file) in [(MODEL, &before), (better.as_str(), &after)] {
-            step(&["impact", model, "--heights", HEIGHTS, "--springs", "compliant", "--json", file])?;
-        }
-        let place_of = effects[0].split('/').next().unwrap_or_default();
-        let peaks = peaks(&read(&before)?, &read(&after)?, place_of);
-        Destination::new(&folder.join("5-impact.html"))?.write(impact_page(&peaks, &effects).as_bytes())?;
+    if let Some(first) = outcome.effects.first() {
+        let better = folder.join("better.toml");
+        let command = format!(
+            "sealegs add {} --to {MODEL} --campaign {} -o {}",
+            outcome.effects.join("+"),
+            data.display(),
+            better.display()
+        );
+        step("4. It is added, and the error falls.", &command)?;
+        add(folder, &campaign, &outcome.effects, command)?;
+        let heights = HEIGHTS_M.map(|h| h.to_string()).join(",");
+        let command = format!("sealegs impact {} --heights {heights} --springs compliant", better.display());
+        step("5. What the missing effect would have cost in predicted impact forces.", &command)?;
+        let before = drops(MODEL, &folder.join("5-impact-before.json"))?;
+        let after = drops(&better.to_string_lossy(), &folder.join("5-impact-after.json"))?;
+        let actuator = first.split('/').next().unwrap_or_default();
+        let peaks = peaks(&before, &after, actuator);
+        Destination::new(&folder.join("5-impact.html"))?
+            .write(impact_page(&peaks, &outcome.effects).as_bytes())?;
         impact = Some(lines(&peaks));
+    } else {
+        say("Nothing is to be added.")?;
     }
-    let page = summary(&diagnosis, &effects, impact.as_deref(), started.elapsed().as_secs_f64());
+    let page = summary(&outcome, impact.as_deref(), started.elapsed().as_secs_f64());
     let file = folder.join("summary.md");
     Destination::new(&file)?.write(page.as_bytes())?;
     say(&format!("{page}\nThis page is {}; open 3-diagnose.html beside it for the curves.", file.display()))?;
     Ok(0)
 }
 
-/// Prints the command of a step and does it.
-fn step(words: &[&str]) -> anyhow::Result<()> {
-    say(&format!("$ sealegs {}", words.join(" ")))?;
-    let line = Line::try_parse_from(std::iter::once("sealegs").chain(words.iter().copied()))?;
-    match line.verb {
-        Step::Run(a) => super::run::run(&a),
-        Step::Compare(a) => super::compare::run(&a),
-        Step::Diagnose(a) => super::diagnose::run(&a),
-        Step::Add(a) => super::add::run(&a),
-        Step::Impact(a) => super::impact::run(&a),
+/// Step 1: one drop, recorded.
+fn drop_the_leg(folder: &Path) -> anyhow::Result<()> {
+    let scenario = Scenario::load(MODEL, &[]).or_bad_input()?;
+    let rrd = Destination::new(&folder.join("1-drop.rrd"))?;
+    if let Some(part) = rrd.part() {
+        let (leg, result) = leg_scene::record(&scenario, Output::File(part.to_owned()))?;
+        print(&run_summary(&result, leg.joints.len()))?;
     }
-    .map(|_| ())
+    rrd.finish()
+}
+
+/// Step 2: where the model fails.
+fn compare(folder: &Path, campaign: &Campaign, command: String) -> anyhow::Result<()> {
+    let comparison = sealegs::compare(campaign, Options::new().command(command))?;
+    Destination::new(&folder.join("2-compare.html"))?.write(comparison.to_html()?.as_bytes())?;
+    Destination::new(&folder.join("2-compare.json"))?.write((comparison.to_json()? + "\n").as_bytes())?;
+    print(&comparison.to_text()?)
+}
+
+/// Step 3: what is missing.
+fn diagnose(folder: &Path, campaign: &Campaign, command: String) -> anyhow::Result<Outcome> {
+    let bar = progress::spinner();
+    let options = Options::new().command(command).on_progress(progress::on(&bar));
+    let diagnosis = sealegs::diagnose(campaign, options);
+    bar.finish_and_clear();
+    let diagnosis = diagnosis?;
+    Destination::new(&folder.join("3-diagnose.html"))?.write(diagnosis.to_html()?.as_bytes())?;
+    Destination::new(&folder.join("3-diagnose.rrd"))?.record(&diagnosis.recording()?)?;
+    Destination::new(&folder.join("3-diagnose.json"))?.write((diagnosis.to_json()? + "\n").as_bytes())?;
+    print(&diagnosis.to_text())?;
+    Ok(diagnosis.outcome().clone())
+}
+
+/// Step 4: the better model.
+fn add(folder: &Path, campaign: &Campaign, effects: &[String], command: String) -> anyhow::Result<()> {
+    let bar = progress::spinner();
+    let options = Options::new().model(MODEL).command(command).on_progress(progress::on(&bar));
+    let addition = sealegs::add(effects, campaign, options);
+    bar.finish_and_clear();
+    let addition = addition?;
+    Destination::new(&folder.join("better.toml"))?.write(addition.model_file(folder)?.as_bytes())?;
+    Destination::new(&folder.join("4-add.json"))?.write((addition.to_json()? + "\n").as_bytes())?;
+    print(&addition.to_text())
+}
+
+/// Step 5: a model's drops.
+fn drops(model: &str, json: &Path) -> anyhow::Result<ImpactTable> {
+    let scenario = Scenario::load(model, &[]).or_bad_input()?;
+    let over = SweepSpec { heights_m: HEIGHTS_M.to_vec(), springs: vec!["compliant".to_owned()] };
+    let table = sweep(&scenario, &over, false, &|| {}).or_bad_input()?;
+    if let Some(why) = table.rows.iter().find_map(|row| row.stopped.as_deref()) {
+        anyhow::bail!("a drop of {model} stopped: {why}");
+    }
+    Destination::new(json)?.write((serde_json::to_string_pretty(&table)? + "\n").as_bytes())?;
+    print(&impact::text_of(&table))?;
+    Ok(table)
+}
+
+/// Prints what a step is about, and the command that does the same.
+fn step(about: &str, command: &str) -> anyhow::Result<()> {
+    say(about)?;
+    say(&format!("$ {command}"))
 }
 
 fn say(text: &str) -> anyhow::Result<()> {
-    writeln!(std::io::stdout().lock(), "\n{text}").context("standard output")
+    print(&format!("\n{text}\n"))
 }
 
-fn read(file: &str) -> anyhow::Result<Value> {
-    let text = std::fs::read_to_string(Path::new(file)).with_context(|| file.to_owned())?;
-    serde_json::from_str(&text).with_context(|| file.to_owned())
-}
-
-fn names(list: &Value) -> Vec<String> {
-    list.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()
+fn print(text: &str) -> anyhow::Result<()> {
+    std::io::stdout().lock().write_all(text.as_bytes()).context("standard output")
 }
 
 /// A peak force at a drop, without and with what was found.
@@ -157,22 +186,16 @@ impl Peak {
 }
 
 /// The peak forces of the ground and of the actuator that was named, drop by drop.
-fn peaks(before: &Value, after: &Value, actuator: &str) -> Vec<Peak> {
+fn peaks(before: &ImpactTable, after: &ImpactTable, actuator: &str) -> Vec<Peak> {
     let mut peaks = Vec::new();
-    let rows = |v: &Value| v["rows"].as_array().cloned().unwrap_or_default();
-    for (b, a) in rows(before).iter().zip(&rows(after)) {
-        let height = b["height_m"].as_f64().unwrap_or(f64::NAN);
-        let mut peak = |what: &str, b: &Value, a: &Value| {
-            if let (Some(before_n), Some(after_n)) = (b.as_f64(), a.as_f64()) {
-                peaks.push(Peak { what: format!("{what}, drop from {height:.2} m"), before_n, after_n });
-            }
+    for (b, a) in before.rows.iter().zip(&after.rows) {
+        let mut peak = |what: &str, before_n: f64, after_n: f64| {
+            let what = format!("{what}, drop from {:.2} m", b.height_m);
+            peaks.push(Peak { what, before_n, after_n });
         };
-        peak("ground force", &b["ground_force_n"], &a["ground_force_n"]);
-        let actuators = |v: &Value| v["actuators"].as_array().cloned().unwrap_or_default();
-        for (x, y) in actuators(b).iter().zip(&actuators(a)) {
-            if x["name"] == actuator {
-                peak(&format!("{actuator} F1"), &x["force_1_n"], &y["force_1_n"]);
-            }
+        peak("ground force", b.ground_force_n, a.ground_force_n);
+        for (x, y) in b.actuators.iter().zip(&a.actuators).filter(|(x, _)| x.name == actuator) {
+            peak(&format!("{actuator} F1"), x.force_1_n, y.force_1_n);
         }
     }
     peaks
@@ -227,31 +250,25 @@ fn impact_page(peaks: &[Peak], effects: &[String]) -> String {
 }
 
 /// The page that sums the tour up.
-fn summary(diagnosis: &Value, effects: &[String], impact: Option<&str>, seconds: f64) -> String {
-    let number = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.2}"));
+fn summary(outcome: &Outcome, impact: Option<&str>, seconds: f64) -> String {
     let mut page = String::from("# The loop on a leg's drop\n\n");
+    let missing = match outcome.effects.as_slice() {
+        [] => String::new(),
+        effects => format!(", missing: **{}**", effects.join(" + ")),
+    };
+    let _ = writeln!(page, "Verdict: **{}**{missing}.", outcome.verdict);
+    let after = outcome.after.as_ref();
     let _ = writeln!(
         page,
-        "Verdict: **{}**{}.",
-        diagnosis["verdict"].as_str().unwrap_or("-"),
-        match effects {
-            [] => String::new(),
-            _ => format!(", missing: **{}**", effects.join(" + ")),
-        }
+        "Error on drops that were never fitted, in units of the sensors' noise: {:.2} with the model as it was, {} with \
+         what was missing (noise floor {:.2}).\n",
+        outcome.base.holdout_error,
+        after.map_or("-".to_owned(), |a| format!("{:.2}", a.holdout_error)),
+        outcome.noise_floor
     );
-    let _ = writeln!(
-        page,
-        "Error on drops that were never fitted, in units of the sensors' noise: {} with the model as it was, {} with \
-         what was missing (noise floor {}).\n",
-        number(&diagnosis["base"]["holdout_error"]),
-        number(&diagnosis["after"]["holdout_error"]),
-        number(&diagnosis["noise_floor"])
-    );
-    for p in diagnosis["after"]["parameters"].as_array().into_iter().flatten() {
-        let name = p["name"].as_str().unwrap_or_default();
-        if let (true, Some(value), Some(std)) = (name.contains('.'), p["value"].as_f64(), p["std"].as_f64()) {
-            let _ =
-                writeln!(page, "- {name}: {value:.4} ± {std:.2} {}", p["unit"].as_str().unwrap_or_default());
+    for p in after.iter().flat_map(|a| &a.parameters).filter(|p| p.name.contains('.')) {
+        if let Some(std) = p.std {
+            let _ = writeln!(page, "- {}: {:.4} ± {std:.2} {}", p.name, p.value, p.unit);
         }
     }
     if let Some(impact) = impact {

@@ -12,16 +12,20 @@ mod clock;
 mod csv_table;
 mod fence;
 mod file;
+mod memory;
 mod noise;
 mod parquet_table;
+mod scored;
 mod table;
 
 pub use clock::{Clock, Gap};
+pub use memory::{CampaignBuilder, RunColumns};
 pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
 
 use crate::nuisance::SensorPrior;
 use crate::{Error, stats};
 use rayon::prelude::*;
+use scored::{scored_rows, skip_start_in_motion, too_few_rows};
 use sealegs_model::{Model, Record, Signal};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -106,6 +110,14 @@ pub struct Run {
     pub path: PathBuf,
 }
 
+impl Run {
+    /// Whether the run's columns were given in memory: its path is then no file's.
+    #[must_use]
+    pub fn is_in_memory(&self) -> bool {
+        memory::is_in_memory(&self.path)
+    }
+}
+
 /// Everything that a campaign's files say.
 #[derive(Debug, Clone)]
 pub struct Campaign {
@@ -182,12 +194,7 @@ impl Campaign {
                     outputs: table.outputs,
                 };
                 let scored = scored_rows(&record.time_s, run.from_s, run.to_s).ok_or_else(|| {
-                    Error::bad(
-                        &file,
-                        run.line,
-                        Some("from_s, to_s"),
-                        format!("leave fewer than {FEWEST_ROWS} rows of {}", run.file),
-                    )
+                    Error::bad(&file, run.line, Some("from_s, to_s"), too_few_rows(&run.file))
                 })?;
                 let time = &record.time_s;
                 if let Some(problem) = clock::too_long(time) {
@@ -199,6 +206,32 @@ impl Campaign {
             })
             .collect();
         let runs = runs.into_iter().collect::<Result<Vec<Run>, Error>>()?;
+        Ok(Self::assembled(description, file, runs))
+    }
+
+    /// A campaign of columns in memory: its name, its bench, and its actuator (for a leg its scenario), a preset's name
+    /// or a file.
+    ///
+    /// ```
+    /// use sealegs_sysid::campaign::{Bench, Campaign, Role, RunColumns};
+    ///
+    /// let time_s: Vec<f64> = (0..100).map(|i| 1e-3 * f64::from(i)).collect();
+    /// let current_a: Vec<f64> = time_s.iter().map(|t| (50.0 * t).sin()).collect();
+    /// let force_1_n: Vec<f64> = current_a.iter().map(|i| 238.0 * i).collect();
+    /// let columns = [("time_s", time_s), ("current_a", current_a), ("force_1_n", force_1_n)];
+    /// let campaign = Campaign::builder("knee-bench", Bench::Locked, "thor-linear")
+    ///     .noise_std("force_1_n", 2.0)
+    ///     .run(RunColumns::new("sine", Role::Fit, columns))
+    ///     .build()?;
+    /// assert_eq!(campaign.runs[0].record.len(), 100);
+    /// # Ok::<(), sealegs_sysid::Error>(())
+    /// ```
+    pub fn builder(name: impl Into<String>, bench: Bench, model: impl Into<String>) -> CampaignBuilder {
+        CampaignBuilder::new(name.into(), bench, model.into())
+    }
+
+    /// What follows from all runs together: noise, repeats, remarks.
+    fn assembled(description: file::Description, file: PathBuf, runs: Vec<Run>) -> Self {
         let mut notes = description.notes;
         for run in &runs {
             for column in &run.unknown {
@@ -220,7 +253,7 @@ impl Campaign {
         for run in &mut runs {
             notes.extend(skip_start_in_motion(run, &noise));
         }
-        Ok(Self {
+        Self {
             name: description.name,
             file,
             bench: description.bench,
@@ -233,7 +266,7 @@ impl Campaign {
             runs,
             repeats,
             notes,
-        })
+        }
     }
 
     /// The error of a campaign file whose actuator or scenario is wrong.
@@ -243,10 +276,20 @@ impl Campaign {
         Error::bad(&self.file, self.model_line, Some(key), problem)
     }
 
-    /// The folder of the campaign file, beside which actuator files and scenarios are looked for.
+    /// The folder of the campaign file, beside which actuator files and scenarios are looked for; that of the process
+    /// for a campaign in memory.
     #[must_use]
     pub fn folder(&self) -> &Path {
+        if self.is_in_memory() {
+            return Path::new("");
+        }
         self.file.parent().unwrap_or(Path::new("."))
+    }
+
+    /// Whether the campaign was built from columns in memory: its path is then no file's.
+    #[must_use]
+    pub fn is_in_memory(&self) -> bool {
+        memory::is_in_memory(&self.file)
     }
 
     /// The runs of one role.
@@ -347,41 +390,6 @@ impl Campaign {
     pub fn noise_std(&self, channel: &str) -> Option<&NoiseStd> {
         self.noise.iter().find(|n| n.channel == channel)
     }
-}
-
-/// Rows with `from_s <= time <= to_s` (to a nanosecond, as decimal digits are not exact), if they are enough.
-fn scored_rows(time_s: &[f64], from_s: Option<f64>, to_s: Option<f64>) -> Option<Range<usize>> {
-    let start = from_s.map_or(0, |t| time_s.partition_point(|&x| x < t - 1e-9));
-    let end = to_s.map_or(time_s.len(), |t| time_s.partition_point(|&x| x <= t + 1e-9));
-    (start + FEWEST_ROWS <= end).then_some(start..end)
-}
-
-/// A jump from the first row to the second beyond this many times the noise, and this share of all that the
-/// channel does, is no answer to the first command: the rig was in motion.
-const IN_MOTION: (f64, f64) = (20.0, 0.02);
-
-/// Share of a run that begins in motion that does not count: models begin at rest, and forget that.
-const FORGOTTEN: f64 = 0.05;
-
-/// Leaves the beginning of a run that begins in motion out of what counts, unless the campaign says where to begin;
-/// returns a remark.
-fn skip_start_in_motion(run: &mut Run, noise: &[NoiseStd]) -> Option<String> {
-    let moves = run.record.outputs.iter().any(|s| {
-        let std = noise.iter().find(|n| n.channel == s.channel).map_or(0.0, |n| n.std);
-        let (low, high) = s.values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
-        let jump = (s.values[1] - s.values[0]).abs();
-        std > 0.0 && jump > IN_MOTION.0 * std && jump > IN_MOTION.1 * (high - low)
-    });
-    let rows = (FORGOTTEN * run.record.len() as f64) as usize;
-    if !moves || run.scored.start > 0 || run.scored.len() < rows + FEWEST_ROWS || rows == 0 {
-        return None;
-    }
-    run.scored.start = rows;
-    let span = run.record.time_s[rows] - run.record.time_s[0];
-    Some(format!(
-        "{}: begins in motion; its first {span:.3} s do not count, as a model begins at rest",
-        run.record.name
-    ))
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ fn is_parquet(path: &Path) -> bool {
 
 /// Where a run's file says what its columns are called.
 pub(super) fn header_of(path: &Path) -> Place {
-    if is_parquet(path) { Place::Whole } else { Place::Line(1) }
+    if is_parquet(path) || super::memory::is_in_memory(path) { Place::Whole } else { Place::Line(1) }
 }
 
 /// Takes one more column name.

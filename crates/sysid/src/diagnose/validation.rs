@@ -227,10 +227,10 @@ fn solve(mut a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Candidate;
-    use super::super::candidate::Effort;
+    use super::super::{Candidate, with_effects};
     use crate::campaign::Role;
     use crate::data::Data;
+    use crate::fit::FitOptions;
     use crate::toy::{Noise, Toy, campaign, run};
 
     const TRUTH: [f64; 3] = [1.1, 5.0, 380.0];
@@ -251,17 +251,22 @@ mod tests {
         record
     }
 
+    fn fitted(data: &Data, toy: &Toy, effects: Vec<String>) -> Candidate {
+        let model = with_effects(toy, &effects, &sealegs_model::Excitation::default()).unwrap();
+        let options = FitOptions { starts: 1, max_steps: 20, ..FitOptions::default() };
+        Candidate::fitted(data, effects, model, &options).unwrap()
+    }
+
     /// Greatest mean square over the runs, each left out, without and with the effect.
     fn left_out(shares: [f64; 3], times: f64) -> [f64; 2] {
         let runs = shares.iter().zip(0..).map(|(&share, seed)| (Role::Fit, at(share, times, seed))).collect();
         let campaign = campaign(runs, NOISE);
         let toy = Toy::new();
         let data = Data::new(&campaign, Some(Role::Fit), &toy).unwrap();
-        let seen = sealegs_model::Excitation::default();
         [vec![], vec!["cubic-sensor".to_owned()]].map(|effects| {
-            let effort = Effort::steps(20);
-            let fitted = Candidate::fitted(&data, &toy, &effects, &seen, &[], &effort).unwrap();
-            assert!(effects.is_empty() || fitted.fit.error() < 1.05 * times, "{}", fitted.fit.error());
+            let alone = effects.is_empty();
+            let fitted = fitted(&data, &toy, effects);
+            assert!(alone || fitted.fit.error() < 1.05 * times, "{}", fitted.fit.error());
             let each = fitted.validation.residuals as f64 / 3.0;
             fitted.validation.stretches.iter().map(|s| s / each).fold(0.0, f64::max)
         })
@@ -286,9 +291,8 @@ mod tests {
         let campaign = campaign((0..2).map(|seed| (Role::Fit, at(1.0, 1.0, seed))).collect(), NOISE);
         let toy = Toy::new();
         let data = Data::new(&campaign, Some(Role::Fit), &toy).unwrap();
-        let seen = sealegs_model::Excitation::default();
         let effects = vec!["cubic-sensor".to_owned()];
-        let fitted = Candidate::fitted(&data, &toy, &effects, &seen, &[], &Effort::steps(20)).unwrap();
+        let fitted = fitted(&data, &toy, effects.clone());
         let smooth = fitted.validation.mean_square();
         let mut fit = fitted.fit.clone();
         // As after an impact: within one stretch the derivatives are large and of any sign.

@@ -1,8 +1,8 @@
 //! Figures of the pure-force-source criterion and of the clipped ideal compensator.
 
-use sealegs_actuator::compensator::ClippedCompensator;
-use sealegs_actuator::response::{CompensatorBound, HALF_POWER_DB, db, plant, pure_force_source_hz};
-use sealegs_recorder::chart::{Axis, Chart, Contours, Dash, Hue, Marker};
+use sealegs::actuator::compensator::ClippedCompensator;
+use sealegs::actuator::response::{CompensatorBound, HALF_POWER_DB, db, plant, pure_force_source_hz};
+use sealegs::recorder::chart::{Axis, Chart, Contours, Dash, Hue, Marker};
 
 use super::super::chapter4::{AMPLITUDE_N, CURRENT_LIMIT_A};
 use super::super::clipping::{AMPLITUDES_N, CURRENTS_A, curve};

@@ -4,7 +4,7 @@ mod control;
 mod responses;
 mod springs;
 
-use sealegs_recorder::chart::Chart;
+use sealegs::recorder::chart::Chart;
 
 use super::Reproduction;
 use super::thor::Thor;

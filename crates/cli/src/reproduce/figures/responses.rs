@@ -1,10 +1,10 @@
 //! Figures of frequency responses: the locked bench, the pendulum, both spring locations, moving links.
 
-use sealegs_actuator::bench::PendulumRig;
-use sealegs_actuator::response::{ForceResponse, Link, Transfer, db};
-use sealegs_actuator::{Coefficients, Configuration};
-use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
-use sealegs_sysid::frf::FrequencyResponse;
+use sealegs::actuator::bench::PendulumRig;
+use sealegs::actuator::response::{ForceResponse, Link, Transfer, db};
+use sealegs::actuator::{Coefficients, Configuration};
+use sealegs::recorder::chart::{Axis, Chart, Dash, Hue, Marker};
+use sealegs::sysid::frf::FrequencyResponse;
 
 use super::super::Reproduction;
 use super::super::thor::{STIFF_N_M, Thor, pendulum_link};

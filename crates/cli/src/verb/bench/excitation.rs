@@ -1,6 +1,6 @@
 //! A command profile written on the command line: `shape,key=value,...`.
 
-use sealegs_actuator::excitation::Profile;
+use sealegs::actuator::excitation::Profile;
 use serde::Deserialize;
 
 use crate::failure::{OrBadInput, bad_input};

@@ -9,10 +9,11 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use sealegs_actuator::bench::{Bench, BenchModel, OUTPUTS, PendulumRig};
-use sealegs_actuator::excitation::Profile;
-use sealegs_actuator::{ActuatorSpec, Kind};
-use sealegs_model::{InputHold, Model, Prediction, Record, Signal};
+use sealegs::BenchBuilder;
+use sealegs::actuator::bench::{Bench, BenchModel, PendulumRig};
+use sealegs::actuator::excitation::Profile;
+use sealegs::actuator::{ActuatorSpec, Kind};
+use sealegs::model::{InputHold, Model, Prediction, Record, Signal};
 
 use crate::failure::{OrBadInput, bad_input};
 use crate::output::Destination;
@@ -55,7 +56,7 @@ pub struct BenchArguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Greatest step of the integration, s
-    #[arg(long, default_value_t = sealegs_actuator::bench::DEFAULT_STEP_S, value_name = "S")]
+    #[arg(long, default_value_t = sealegs::actuator::bench::DEFAULT_STEP_S, value_name = "S")]
     step: f64,
     /// Write the samples as CSV with the columns of a campaign (`-` for standard output)
     #[arg(long, value_name = "FILE.csv")]
@@ -188,23 +189,15 @@ fn simulate(arguments: &BenchArguments) -> anyhow::Result<BenchRun> {
     for profile in &profiles {
         command.iter_mut().zip(&time_s).for_each(|(c, t)| *c += profile.at(*t));
     }
-    let record = Record {
-        name: "bench".to_owned(),
-        time_s,
-        hold: match arguments.hold {
-            Hold::ZeroOrder => InputHold::ZeroOrder,
-            Hold::Linear => InputHold::Linear,
-        },
-        inputs: vec![Signal { channel: channel.to_owned(), values: command }],
-        outputs: Vec::new(),
+    let hold = match arguments.hold {
+        Hold::ZeroOrder => InputHold::ZeroOrder,
+        Hold::Linear => InputHold::Linear,
     };
-    let model = BenchModel::new(spec, bench).or_bad_input()?.with_step(arguments.step);
-    let channels: Vec<String> =
-        OUTPUTS.iter().filter(|c| model.predicts(c)).map(|c| (*c).to_owned()).collect();
-    let values: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
-    let prediction = model.predict(&values, &record, &channels).or_bad_input()?;
-    let outputs = prediction.outputs.iter().enumerate().map(|(i, s)| sensed(arguments, s, i)).collect();
-    Ok(BenchRun { model, record, outputs, prediction })
+    let builder = BenchBuilder::of_spec(spec, bench).step_s(arguments.step).hold(hold);
+    let ideal = builder.run(channel, time_s, command)?;
+    let outputs = ideal.prediction.outputs.iter().enumerate();
+    let outputs = outputs.map(|(i, s)| sensed(arguments, s, i)).collect();
+    Ok(BenchRun { model: ideal.model, record: ideal.record, outputs, prediction: ideal.prediction })
 }
 
 /// The excitations of the dissertation's two identifications, in A or in the unit of the motor's effort.

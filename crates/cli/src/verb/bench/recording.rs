@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use sealegs_model::{Model, Signal, Unit};
-use sealegs_recorder::recording::{Document, Frame, Level, Output, RecordingWriter, Scene, SeriesGroup};
+use sealegs::model::{Model, Signal, Unit};
+use sealegs::recorder::recording::{Document, Frame, Level, Output, RecordingWriter, Scene, SeriesGroup};
 
 use super::BenchRun;
 

@@ -1,13 +1,13 @@
 //! The page of a run on a bench: what was commanded, what the sensors showed, and the force response.
 
-use sealegs_actuator::bench::Bench;
-use sealegs_actuator::plant::GRAVITY_M_S2;
-use sealegs_actuator::response::{ForceResponse, Link, db};
-use sealegs_actuator::{Configuration, Kind};
-use sealegs_model::{Model, Signal, Unit};
-use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
-use sealegs_recorder::report::{Provenance, Report, Table, Tone};
-use sealegs_sysid::frf::{Estimator, Hold, Welch};
+use sealegs::actuator::bench::Bench;
+use sealegs::actuator::plant::GRAVITY_M_S2;
+use sealegs::actuator::response::{ForceResponse, Link, db};
+use sealegs::actuator::{Configuration, Kind};
+use sealegs::model::{Model, Signal, Unit};
+use sealegs::recorder::chart::{Axis, Chart, Dash, Hue, Marker};
+use sealegs::recorder::report::{Provenance, Report, Table, Tone};
+use sealegs::sysid::frf::{Estimator, Hold, Welch};
 
 use super::{BenchRun, extremes};
 
@@ -61,7 +61,7 @@ pub fn html(done: &BenchRun) -> anyhow::Result<String> {
         page.preformatted(&spec.to_toml());
     });
     page.provenance(&Provenance {
-        command: std::env::args().collect::<Vec<_>>().join(" "),
+        command: crate::command(),
         versions: vec![("sealegs".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
         ..Provenance::default()
     });

@@ -2,7 +2,7 @@
 
 use super::outcome::{ParameterValue, Side, parameters, sensors};
 use super::provenance::Provenance;
-use crate::failure::{OrBadInput, bad_input};
+use crate::{Error, Result};
 use sealegs_model::{Excitation, Model, ModelError};
 use sealegs_sysid::diagnose::{Candidate, Models};
 use sealegs_sysid::{Campaign, Data, Evaluation, Role};
@@ -100,22 +100,25 @@ pub fn add(
     model: &dyn Model,
     effects: &[String],
     tell: &dyn Fn(String),
-) -> anyhow::Result<Added> {
-    let data = Data::new(campaign, Some(Role::Fit), model).or_bad_input()?;
+) -> Result<Added> {
+    if effects.is_empty() {
+        return Err(Error::NoEffect);
+    }
+    let data = Data::new(campaign, Some(Role::Fit), model)?;
     tell("refitting the model as it is".to_owned());
     let mut models = Models::new(&data, model);
     let base = models.base()?;
     check(model, effects, &models.seen)?;
     tell(format!("fitting {}", effects.join(" + ")));
-    let after = models
-        .with_effects(&base, effects)
-        .ok_or_else(|| bad_input(format!("{} cannot be simulated with {}", model.name(), effects.join(" + "))))?;
+    let after = models.with_effects(&base, effects).ok_or_else(|| ModelError::Setup {
+        reason: format!("{} cannot be simulated with {}", model.name(), effects.join(" + ")),
+    })?;
     let before = models.polished(&base);
     let seen = models.seen;
     let mut work = data.work();
     let (mut before_holdout, mut after_holdout) = (None, None);
     if campaign.runs_of(Role::Holdout).next().is_some() {
-        let holdout = Data::new(campaign, Some(Role::Holdout), model).or_bad_input()?;
+        let holdout = Data::new(campaign, Some(Role::Holdout), model)?;
         let judge = |c: &Candidate| holdout.judge(c.model.as_ref(), &c.fit.values, c.fit.sensors());
         before_holdout = Some(judge(&before)?);
         after_holdout = Some(judge(&after)?);
@@ -126,18 +129,18 @@ pub fn add(
 }
 
 /// Whether the model can have all of these effects.
-fn check(model: &dyn Model, effects: &[String], seen: &Excitation) -> anyhow::Result<()> {
+fn check(model: &dyn Model, effects: &[String], seen: &Excitation) -> Result<()> {
     let mut with = model.clone_box();
     for effect in effects {
         if with.included().contains(effect) {
-            return Err(bad_input(format!("{} includes '{effect}' already", model.name())));
+            return Err(Error::AlreadyIncluded { model: model.name(), effect: effect.clone() });
         }
-        with = with.with_effect(effect, seen).map_err(|e| match e {
+        with = with.with_effect(effect, seen).map_err(|source| match source {
             ModelError::UnknownEffect { .. } => {
-                let known: Vec<String> = with.effects(seen).into_iter().map(|c| c.id).collect();
-                bad_input(format!("{e} (it can have {})", known.join(", ")))
+                let known = with.effects(seen).into_iter().map(|c| c.id).collect();
+                Error::UnknownEffect { source, known }
             }
-            other => bad_input(other),
+            other => other.into(),
         })?;
     }
     Ok(())

@@ -3,7 +3,7 @@
 use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::plan;
-use crate::failure::{OrBadInput, bad_input};
+use crate::{Error, ModelSource, Result};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
 use sealegs_actuator::effect::Effect;
@@ -25,16 +25,36 @@ pub fn of_campaign(
     campaign: &mut Campaign,
     model: Option<&Path>,
     own: Vec<Arc<dyn Effect>>,
-) -> anyhow::Result<BenchModel> {
+) -> Result<BenchModel> {
+    of_source(campaign, &ModelSource::from(model), own)
+}
+
+/// As [`of_campaign`], of an actuator that may be no file.
+///
+/// # Errors
+///
+/// As [`of_campaign`], and a scenario in place of an actuator.
+pub fn of_source(
+    campaign: &mut Campaign,
+    model: &ModelSource,
+    own: Vec<Arc<dyn Effect>>,
+) -> Result<BenchModel> {
     let bench = match campaign.bench {
         campaign::Bench::Pendulum => Bench::Pendulum(PendulumRig::default()),
         _ => Bench::Locked,
     };
     let spec = match model {
-        Some(path) => ActuatorSpec::load(&path.to_string_lossy(), None).or_bad_input()?,
-        None => ActuatorSpec::load(&campaign.actuator, Some(campaign.folder()))
-            .map_err(|e| campaign.bad_model(e.to_string()))
-            .or_bad_input()?,
+        ModelSource::File(path) => ActuatorSpec::load(&path.to_string_lossy(), None)?,
+        ModelSource::Actuator(spec) => (**spec).clone(),
+        ModelSource::Scenario(_) => {
+            return Err(Error::WrongModel {
+                model: model.label(campaign),
+                bench: campaign.bench.as_str(),
+                needed: "an actuator",
+            });
+        }
+        ModelSource::Campaign => ActuatorSpec::load(&campaign.actuator, Some(campaign.folder()))
+            .map_err(|e| campaign.bad_model(e.to_string()))?,
     };
     let spec = match was_fitted_here(&spec.provenance, model, campaign)? {
         true => spec.without_fitted_std(),
@@ -43,8 +63,11 @@ pub fn of_campaign(
     for (channel, sensor) in &spec.sensors {
         campaign.state_sensor(channel, sensor.gain_std, sensor.bias_std);
     }
-    let file = model.unwrap_or(&campaign.file).display().to_string();
-    BenchModel::with_own_effects(spec, bench, own).map_err(|e| bad_input(format!("{file}: {e}")))
+    let file = match model {
+        ModelSource::Campaign => campaign.file.clone(),
+        other => other.label(campaign).into(),
+    };
+    BenchModel::with_own_effects(spec, bench, own).map_err(|e| Error::ModelFile { file, source: Box::new(e) })
 }
 
 impl CampaignModel for BenchModel {
@@ -56,7 +79,7 @@ impl CampaignModel for BenchModel {
         plan::limits(self.spec(), campaign)
     }
 
-    fn plan(&self, experiment: &Experiment, _folder: &Path) -> anyhow::Result<Option<String>> {
+    fn plan(&self, experiment: &Experiment, _folder: &Path) -> Result<Option<String>> {
         Ok(plan::csv(experiment))
     }
 
@@ -66,7 +89,7 @@ impl CampaignModel for BenchModel {
         campaign: &Campaign,
         provenance: &[(&str, String)],
         _folder: &Path,
-    ) -> anyhow::Result<String> {
+    ) -> Result<String> {
         let mut spec = self.spec().clone();
         let fit = &added.after.fit;
         for (p, known) in fit.parameters.iter().zip(added.after.model.parameters()) {
@@ -102,7 +125,7 @@ impl CampaignModel for BenchModel {
         note_down(&mut spec.provenance, notes_of(added, campaign, provenance));
         // Whoever gets the file must be able to load it.
         let text = spec.to_toml();
-        ActuatorSpec::from_toml(&text, "the model file to be written")?;
+        ActuatorSpec::from_toml(&text, "the model file to be written").map_err(Error::model_file)?;
         Ok(text)
     }
 }

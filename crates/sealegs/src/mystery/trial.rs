@@ -1,5 +1,6 @@
 //! How far the model without the hidden effect fails on a campaign, and how strong an effect must be for that.
 
+use crate::Result;
 use crate::bench_model;
 use sealegs_actuator::bench::BenchModel;
 use sealegs_model::Model;
@@ -68,7 +69,7 @@ impl Strength {
 /// # Errors
 ///
 /// None for what the reference simulator makes; those of [`bench_model::of_campaign`].
-pub fn campaign_of(made: &Made) -> anyhow::Result<(Campaign, BenchModel)> {
+pub fn campaign_of(made: &Made) -> Result<(Campaign, BenchModel)> {
     let noise = made.noise_std.iter().map(|(channel, std)| NoiseStd {
         channel: (*channel).to_owned(),
         std: *std,
@@ -111,12 +112,12 @@ pub fn campaign_of(made: &Made) -> anyhow::Result<(Campaign, BenchModel)> {
 /// # Errors
 ///
 /// If the model cannot be simulated.
-pub fn base_error(made: &Made) -> anyhow::Result<f64> {
+pub fn base_error(made: &Made) -> Result<f64> {
     Ok(errors(made)?.1)
 }
 
 /// The refitted base model's error on the fit runs and on the holdout runs, in noise units.
-fn errors(made: &Made) -> anyhow::Result<(f64, f64)> {
+fn errors(made: &Made) -> Result<(f64, f64)> {
     let (campaign, model) = campaign_of(made)?;
     let data = Data::new(&campaign, Some(Role::Fit), &model)?;
     let holdout = Data::new(&campaign, Some(Role::Holdout), &model)?;
@@ -126,13 +127,13 @@ fn errors(made: &Made) -> anyhow::Result<(f64, f64)> {
 }
 
 /// How far an effect shows: in fit and holdout runs alike, for what only held-out runs show cannot be found.
-fn shown(made: &Made) -> anyhow::Result<f64> {
+fn shown(made: &Made) -> Result<f64> {
     let (fit, holdout) = errors(made)?;
     Ok(fit.min(holdout))
 }
 
 /// Whether every parameter of the hidden effects lies where a fit may look for it.
-fn admitted(made: &Made) -> anyhow::Result<bool> {
+fn admitted(made: &Made) -> Result<bool> {
     let (campaign, model) = campaign_of(made)?;
     let data = Data::new(&campaign, Some(Role::Fit), &model)?;
     let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
@@ -152,7 +153,7 @@ fn admitted(made: &Made) -> anyhow::Result<bool> {
 /// # Errors
 ///
 /// Those of [`base_error`].
-pub fn visible(order: &Order, id: &str, strength: Strength) -> anyhow::Result<Option<Hidden>> {
+pub fn visible(order: &Order, id: &str, strength: Strength) -> Result<Option<Hidden>> {
     let short = |amount: f64| Order {
         hidden: vec![Hidden::drawn(id, order.seed, amount)],
         duration_s: order.duration_s.min(SHORT_S),

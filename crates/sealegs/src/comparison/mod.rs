@@ -3,16 +3,19 @@
 pub(crate) mod overlay;
 pub(crate) mod page;
 mod record;
+mod result;
 mod summary;
 pub(crate) mod text;
 
 pub use page::of as page;
 pub use record::of as recording;
+pub use result::{Comparison, compare as of_campaign};
 pub use summary::Summary;
 pub use text::of as text;
 
+use crate::Result;
 use crate::campaign_model::CampaignModel;
-use crate::failure::OrBadInput;
+use sealegs_model::Model;
 use sealegs_sysid::diagnose::fit_holding;
 use sealegs_sysid::frequency::{self, ChannelResponse};
 use sealegs_sysid::locate::{Location, locate};
@@ -62,26 +65,26 @@ pub struct Compared<'a> {
     pub work: (u64, f64),
 }
 
-/// Compares; refits unless `as_is`.
+/// Compares `model`; refits unless `as_is`. What its file says of the sensors comes from `stated`.
 ///
 /// # Errors
 ///
 /// Bad input if a refit is wanted and there is no fit run; otherwise if the model cannot be simulated.
 pub fn compare<'a>(
     campaign: &'a Campaign,
-    model: &dyn CampaignModel,
-    floor: f64,
+    model: &dyn Model,
+    stated: &dyn CampaignModel,
     as_is: bool,
-) -> anyhow::Result<Compared<'a>> {
+) -> Result<Compared<'a>> {
     if !as_is {
-        campaign.require(Role::Fit).or_bad_input()?;
+        campaign.require(Role::Fit)?;
     }
     let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
-    let stated = |data: &Data| -> Vec<Sensor> {
+    let sensors = |data: &Data| -> Vec<Sensor> {
         data.channels
             .iter()
             .map(|c| {
-                let known = model.sensor(&c.name);
+                let known = stated.sensor(&c.name);
                 Sensor {
                     channel: c.name.clone(),
                     gain: known.and_then(|s| s.gain).unwrap_or(1.0),
@@ -101,8 +104,8 @@ pub fn compare<'a>(
         if campaign.runs_of(role).next().is_none() {
             continue;
         }
-        let data = Data::new(campaign, Some(role), model).or_bad_input()?;
-        let before = data.judge(model, &nominal, &stated(&data))?;
+        let data = Data::new(campaign, Some(role), model)?;
+        let before = data.judge(model, &nominal, &sensors(&data))?;
         let after = match (role, &fitted) {
             _ if as_is => None,
             (Role::Fit, _) => {
@@ -116,27 +119,28 @@ pub fn compare<'a>(
         };
         parts.push(Part { role, data, before, after });
     }
-    let shown: Vec<(&Data, &Evaluation)> = parts.iter().map(|p| (&p.data, p.shown())).collect();
-    let (location, tests, responses) =
-        (locate(&shown), structure::tests(&shown), frequency::responses(&shown));
     let work = parts.iter().map(|p| p.data.work()).fold((0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-    Ok(Compared {
-        campaign,
-        model: model.name(),
-        floor,
-        fit: fitted,
-        parts,
-        location,
-        tests,
-        responses,
-        work,
-    })
+    Ok(Compared::of(campaign, model.name(), fitted, parts, work))
 }
 
-impl Compared<'_> {
+impl<'a> Compared<'a> {
+    /// What is said of evaluations that are there already.
+    pub(crate) fn of(
+        campaign: &'a Campaign,
+        model: String,
+        fit: Option<Fit>,
+        parts: Vec<Part<'a>>,
+        work: (u64, f64),
+    ) -> Self {
+        let shown: Vec<(&Data, &Evaluation)> = parts.iter().map(|p| (&p.data, p.shown())).collect();
+        let (location, tests, responses) =
+            (locate(&shown), structure::tests(&shown), frequency::responses(&shown));
+        let floor = campaign.noise_floor();
+        Self { campaign, model, floor, fit, parts, location, tests, responses, work }
+    }
     /// The part of a role.
     #[must_use]
-    pub fn part(&self, role: Role) -> Option<&Part<'_>> {
+    pub fn part(&self, role: Role) -> Option<&Part<'a>> {
         self.parts.iter().find(|p| p.role == role)
     }
 

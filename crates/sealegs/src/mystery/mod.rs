@@ -14,13 +14,14 @@ pub mod trial;
 pub use leg::leg_mystery;
 pub use reveal::{Verdict, page};
 
+use crate::Result;
 use answer::{Answer, HiddenEffect, Named, TrueSensor};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
 use trial::Strength;
 
 /// How hard it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// One effect of the catalogue that dominates the error.
     Easy,
@@ -47,7 +48,7 @@ const DURATION_S: f64 = 20.0;
 /// # Errors
 ///
 /// If a model cannot be simulated.
-pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> anyhow::Result<Mystery> {
+pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> Result<Mystery> {
     let topic = match level {
         Level::Easy => "easy mystery",
         Level::Hard => "hard mystery",
@@ -86,7 +87,7 @@ fn choose(draws: &mut Draws, level: Level) -> (Vec<&'static str>, Strength) {
 }
 
 /// The effects at a strength; `None` where one of them cannot be seen here.
-fn hide(plain: &Order, ids: &[&str], strength: Strength) -> anyhow::Result<Option<Vec<Hidden>>> {
+fn hide(plain: &Order, ids: &[&str], strength: Strength) -> Result<Option<Vec<Hidden>>> {
     let mut hidden = Vec::new();
     for id in ids {
         if !Hidden::applies(id, plain.rig) {

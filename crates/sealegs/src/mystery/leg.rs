@@ -2,6 +2,7 @@
 
 use super::answer::{Answer, HiddenEffect, Named, TrueSensor};
 use super::{Level, Mystery};
+use crate::Result;
 use sealegs_reference::campaign::leg::{
     LEG_CATALOGUE, LEG_PAIRS, LegOrder, MadeLeg, Plain, Scene, leg_place, leg_plain, leg_visible,
 };
@@ -12,7 +13,7 @@ use sealegs_reference::campaign::{Draws, Hidden};
 /// # Errors
 ///
 /// If a leg cannot be simulated.
-pub fn leg_mystery(name: &str, seed: u64, level: Level) -> anyhow::Result<Mystery> {
+pub fn leg_mystery(name: &str, seed: u64, level: Level) -> Result<Mystery> {
     let topic = match level {
         Level::Easy => "easy leg mystery",
         Level::Hard => "hard leg mystery",
@@ -47,12 +48,7 @@ fn choose(draws: &mut Draws, level: Level) -> (Vec<&'static str>, Plain) {
 }
 
 /// The effects at places of their own; `None` where one of them cannot be seen.
-fn hide(
-    plain: &LegOrder,
-    effects: &[&str],
-    wanted: Plain,
-    draws: &mut Draws,
-) -> anyhow::Result<Option<Vec<Hidden>>> {
+fn hide(plain: &LegOrder, effects: &[&str], wanted: Plain, draws: &mut Draws) -> Result<Option<Vec<Hidden>>> {
     let mut hidden = Vec::new();
     for effect in effects {
         let Some(place) = leg_place(effect, plain.scene, draws) else { return Ok(None) };

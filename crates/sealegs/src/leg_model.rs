@@ -3,7 +3,7 @@
 use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::plan;
-use crate::failure::{OrBadInput, bad_input};
+use crate::{Error, ModelSource, Result};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_leg::model::LegModel;
@@ -25,14 +25,33 @@ pub fn of_campaign(
     campaign: &mut Campaign,
     model: Option<&Path>,
     own: Vec<Arc<dyn Effect>>,
-) -> anyhow::Result<LegModel> {
-    let file = campaign.file.display().to_string();
+) -> Result<LegModel> {
+    of_source(campaign, &ModelSource::from(model), own)
+}
+
+/// As [`of_campaign`], of a scenario that may be no file.
+///
+/// # Errors
+///
+/// As [`of_campaign`], and an actuator in place of a scenario.
+pub fn of_source(
+    campaign: &mut Campaign,
+    model: &ModelSource,
+    own: Vec<Arc<dyn Effect>>,
+) -> Result<LegModel> {
     let nominal = beside(campaign, campaign.scenario.as_deref().unwrap_or_default())
-        .map_err(|e| campaign.bad_model(e.to_string()))
-        .or_bad_input()?;
+        .map_err(|e| campaign.bad_model(e.to_string()))?;
     let scenario = match model {
-        Some(path) => Scenario::load(&path.to_string_lossy(), &[]).or_bad_input()?,
-        None => nominal.clone(),
+        ModelSource::File(path) => Scenario::load(&path.to_string_lossy(), &[])?,
+        ModelSource::Scenario(scenario) => (**scenario).clone(),
+        ModelSource::Actuator(_) => {
+            return Err(Error::WrongModel {
+                model: model.label(campaign),
+                bench: campaign.bench.as_str(),
+                needed: "a scenario",
+            });
+        }
+        ModelSource::Campaign => nominal.clone(),
     };
     let scenario = match was_fitted_here(&scenario.provenance, model, campaign)? {
         true => scenario.without_fitted_std(),
@@ -43,17 +62,20 @@ pub fn of_campaign(
         let Some(name) = run.scenario.as_deref() else { continue };
         let record = &run.record.name;
         if runs.iter().all(|(known, _)| known != record) {
-            let scenario = beside(campaign, name)
-                .map_err(|e| bad_input(format!("{file}: scenario of {record}: {e}")))?;
+            let scenario = beside(campaign, name).map_err(|e| Error::RunScenario {
+                file: campaign.file.clone(),
+                run: record.clone(),
+                source: Box::new(e),
+            })?;
             runs.push((record.clone(), scenario));
         }
     }
-    let model = LegModel::new(scenario, &nominal, runs, own).or_bad_input()?;
+    let model = LegModel::new(scenario, &nominal, runs, own)?;
     for run in &campaign.runs {
         for input in &run.record.inputs {
             if let Some(reason) = model.refuses_input(&run.record.name, &input.channel) {
-                let file = run.path.display();
-                return Err(bad_input(format!("{file}, line 1, column '{}': {reason}", input.channel)));
+                let (file, channel) = (run.path.clone(), input.channel.clone());
+                return Err(Error::RefusedInput { file, channel, reason });
             }
         }
     }
@@ -64,7 +86,7 @@ pub fn of_campaign(
 }
 
 /// A scenario as a campaign names it: a file beside it, or a preset.
-fn beside(campaign: &Campaign, name: &str) -> Result<Scenario, sealegs_leg::LegError> {
+fn beside(campaign: &Campaign, name: &str) -> std::result::Result<Scenario, sealegs_leg::LegError> {
     let path = campaign.folder().join(name);
     if path.is_file() { Scenario::load(&path.to_string_lossy(), &[]) } else { Scenario::load(name, &[]) }
 }
@@ -79,12 +101,12 @@ impl CampaignModel for LegModel {
         Limits::default()
     }
 
-    fn plan(&self, experiment: &Experiment, folder: &Path) -> anyhow::Result<Option<String>> {
+    fn plan(&self, experiment: &Experiment, folder: &Path) -> Result<Option<String>> {
         let Play::Run(name) = &experiment.play else { return Ok(plan::csv(experiment)) };
         let Some(planned) = self.planned(name) else { return Ok(None) };
         let mut scenario = planned.clone();
         scenario.move_to(folder)?;
-        Ok(Some(toml::to_string_pretty(&scenario)?))
+        Ok(Some(toml::to_string_pretty(&scenario).map_err(Error::model_file)?))
     }
 
     fn better(
@@ -93,7 +115,7 @@ impl CampaignModel for LegModel {
         campaign: &Campaign,
         provenance: &[(&str, String)],
         folder: &Path,
-    ) -> anyhow::Result<String> {
+    ) -> Result<String> {
         let fit = &added.after.fit;
         let mut with_them = self.clone();
         for effect in &added.effects {
@@ -110,8 +132,8 @@ impl CampaignModel for LegModel {
         note_down(&mut scenario.provenance, notes_of(added, campaign, provenance));
         scenario.move_to(folder)?;
         // Whoever gets the file must be able to load it.
-        let text = toml::to_string_pretty(&scenario)?;
-        Scenario::from_toml(&text, "the model file to be written", &[])?;
+        let text = toml::to_string_pretty(&scenario).map_err(Error::model_file)?;
+        Scenario::from_toml(&text, "the model file to be written", &[]).map_err(Error::model_file)?;
         Ok(text)
     }
 }

@@ -1,19 +1,6 @@
-//! A line on the terminal that says what is being tried; nothing at all in a pipe.
+//! What a diagnosis is trying, in words.
 
-use indicatif::{ProgressBar, ProgressStyle};
 use sealegs_sysid::diagnose::Progress;
-use std::time::Duration;
-
-/// A spinner that names what a diagnosis is trying. Standard error is no terminal: it draws nothing.
-#[must_use]
-pub fn spinner() -> ProgressBar {
-    let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {wide_msg}") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(120));
-    bar
-}
 
 /// What is being done, in a few words.
 #[must_use]

@@ -3,7 +3,7 @@
 //! The seal is no secret: the text is turned into letters and digits (base64, RFC 4648) so that nobody reads it by
 //! accident, and a SHA-256 checksum tells a file that was changed or cut short.
 
-use anyhow::{Context, bail};
+use crate::{Error, Result};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
@@ -84,8 +84,9 @@ impl Answer {
     /// # Errors
     ///
     /// If a number cannot be written as TOML.
-    pub fn sealed(&self) -> anyhow::Result<String> {
-        let text = toml::to_string(self)?;
+    pub fn sealed(&self) -> Result<String> {
+        let text = toml::to_string(self)
+            .map_err(|e| Error::Unwritable { what: "the answer", problem: e.to_string() })?;
         let letters = STANDARD.encode(&text);
         let lines: Vec<&str> =
             (0..letters.len()).step_by(LINE).map(|i| &letters[i..(i + LINE).min(letters.len())]).collect();
@@ -97,20 +98,24 @@ impl Answer {
     /// # Errors
     ///
     /// If it is no sealed answer, or was changed.
-    pub fn opened(sealed: &str) -> anyhow::Result<Self> {
+    pub fn opened(sealed: &str) -> Result<Self> {
         let mut lines = sealed.lines();
         if lines.next() != Some(HEAD) {
-            bail!("line 1: no sealed answer of this version");
+            return Err(refused("line 1: no sealed answer of this version"));
         }
         let stated = lines.next().unwrap_or_default();
         let letters: String = lines.collect();
-        let bytes = STANDARD.decode(letters).context("the sealed text is damaged")?;
-        let text = String::from_utf8(bytes).context("the sealed text is damaged")?;
+        let bytes = STANDARD.decode(letters).map_err(|_| refused("the sealed text is damaged"))?;
+        let text = String::from_utf8(bytes).map_err(|_| refused("the sealed text is damaged"))?;
         if checksum(&text) != stated {
-            bail!("line 2: the checksum does not fit; the file was changed or cut short");
+            return Err(refused("line 2: the checksum does not fit; the file was changed or cut short"));
         }
-        toml::from_str(&text).context("the sealed text is of another version")
+        toml::from_str(&text).map_err(|_| refused("the sealed text is of another version"))
     }
+}
+
+fn refused(problem: &str) -> Error {
+    Error::SealedAnswer { problem: problem.to_owned() }
 }
 
 fn checksum(text: &str) -> String {

@@ -1,6 +1,7 @@
 //! What a person and a program get of a diagnosis: JSON, text, report, recording, plan.
 
 pub mod addition;
+mod better;
 mod figures;
 mod friction;
 pub mod outcome;
@@ -8,7 +9,10 @@ mod page;
 pub mod plan;
 pub mod progress;
 pub mod provenance;
+mod result;
 pub mod story;
 pub mod text;
 
+pub use better::{Addition, add, named};
 pub use page::of as page;
+pub use result::{Diagnosis, diagnose};

@@ -7,7 +7,7 @@ use sealegs_sysid::{Role, residual};
 use serde::Serialize;
 
 /// Everything that is said of a comparison.
-#[derive(Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// The campaign's name.
     pub campaign: String,
@@ -48,72 +48,106 @@ pub struct Summary {
 }
 
 /// Errors in noise units.
-#[derive(Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Errors {
-    holdout_error: Option<f64>,
-    fit_error: Option<f64>,
+    /// Root mean square residual of the holdout runs, noise units.
+    pub holdout_error: Option<f64>,
+    /// The same of the fit runs.
+    pub fit_error: Option<f64>,
 }
 
 /// The base model.
-#[derive(Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Base {
-    holdout_error: Option<f64>,
-    fit_error: Option<f64>,
-    parameters: Vec<ParameterValue>,
-    sensors: Vec<SensorValue>,
+    /// Root mean square residual of the holdout runs, noise units.
+    pub holdout_error: Option<f64>,
+    /// The same of the fit runs.
+    pub fit_error: Option<f64>,
+    /// The fitted parameters.
+    pub parameters: Vec<ParameterValue>,
+    /// The fitted sensors.
+    pub sensors: Vec<SensorValue>,
 }
 
 /// One run and channel.
-#[derive(Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Line {
-    run: String,
-    role: &'static str,
-    channel: String,
-    rows: usize,
-    error: f64,
-    rms: f64,
-    percent: f64,
-    peak: f64,
-    bias: f64,
+    /// The run's file name.
+    pub run: String,
+    /// `fit` or `holdout`.
+    pub role: &'static str,
+    /// The channel.
+    pub channel: String,
+    /// Rows that count.
+    pub rows: usize,
+    /// Root mean square residual, noise units.
+    pub error: f64,
+    /// The same in the channel's unit.
+    pub rms: f64,
+    /// The same in per cent of the measured channel's root mean square, the sensor's bias taken off.
+    pub percent: f64,
+    /// Greatest magnitude of the residual, noise units.
+    pub peak: f64,
+    /// The sensor's bias that this run was compared with, in the channel's unit.
+    pub bias: f64,
 }
 
 /// One region.
-#[derive(Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Place {
-    axis: String,
-    label: String,
-    sample_share: f64,
-    error_share: f64,
-    error: f64,
+    /// What the data were divided by.
+    pub axis: String,
+    /// The part.
+    pub label: String,
+    /// Share of the samples, 0 to 1.
+    pub sample_share: f64,
+    /// Share of the squared error, 0 to 1.
+    pub error_share: f64,
+    /// Root mean square residual, noise units.
+    pub error: f64,
 }
 
 /// One structure test.
-#[derive(Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Dependence {
-    on: &'static str,
-    depends: bool,
-    explained: f64,
-    by_chance: f64,
-    detail: Option<String>,
-    suggests: &'static str,
+    /// What the residual may depend on.
+    pub on: &'static str,
+    /// Whether it does, more than chance allows.
+    pub depends: bool,
+    /// Share of its square that is explained, 0 to 1.
+    pub explained: f64,
+    /// The share that chance would explain.
+    pub by_chance: f64,
+    /// Where or how.
+    pub detail: Option<String>,
+    /// What that suggests.
+    pub suggests: &'static str,
 }
 
 /// A response's worst place.
-#[derive(Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Response {
-    channel: String,
-    input: String,
-    worst_at_hz: Option<f64>,
-    measured_over_model_db: Option<f64>,
+    /// The channel.
+    pub channel: String,
+    /// The input channel.
+    pub input: String,
+    /// Frequency of the greatest difference beyond three standard errors, Hz.
+    pub worst_at_hz: Option<f64>,
+    /// That difference, dB.
+    pub measured_over_model_db: Option<f64>,
 }
 
 /// A pair of runs.
-#[derive(Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Repeat {
-    runs: (String, String),
-    channel: String,
-    deviation: f64,
-    offset: f64,
+    /// The runs' file names.
+    pub runs: (String, String),
+    /// The channel.
+    pub channel: String,
+    /// One run's own deviation, in the channel's unit.
+    pub deviation: f64,
+    /// Mean difference, in the channel's unit.
+    pub offset: f64,
 }
 
 impl Summary {

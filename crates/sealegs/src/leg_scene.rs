@@ -1,8 +1,10 @@
 //! A leg's run as a recording: its scene before time begins, and a frame for every sample.
 
-use sealegs_leg::LegError;
+use crate::Result;
 use sealegs_leg::robot::{Geometry, Shape};
-use sealegs_leg::simulation::{Event, EventLevel, LegDescription, Observer, Sample};
+use sealegs_leg::scenario::Scenario;
+use sealegs_leg::simulation::{Event, EventLevel, LegDescription, Observer, Sample, Simulation};
+use sealegs_leg::{LegError, RunResult};
 use sealegs_recorder::recording as rec;
 use sealegs_recorder::recording::{Color, RecordingWriter};
 
@@ -185,7 +187,7 @@ impl LegRecorder {
     /// # Errors
     ///
     /// If the disk or the viewer did not take it all.
-    pub fn end(self, stopped: Option<&str>) -> Result<(), sealegs_recorder::RecorderError> {
+    pub fn end(self, stopped: Option<&str>) -> std::result::Result<(), sealegs_recorder::RecorderError> {
         match (self.writer, stopped) {
             (Some(writer), None) => writer.finish(),
             (Some(writer), Some(reason)) => writer.stop(reason),
@@ -194,18 +196,33 @@ impl LegRecorder {
     }
 }
 
+/// Runs a scenario to its end and records it.
+///
+/// # Errors
+///
+/// What is wrong with the scenario or its robot, or what the disk or the viewer does not take.
+pub fn record(scenario: &Scenario, output: rec::Output) -> Result<(LegDescription, RunResult)> {
+    let document = toml::to_string_pretty(scenario).unwrap_or_default();
+    let mut recorder = LegRecorder::new(output, document);
+    let simulation = Simulation::new(scenario)?;
+    let leg = simulation.leg().clone();
+    let result = sealegs_leg::run_simulation(scenario, simulation, &mut recorder)?;
+    recorder.end(result.stopped.as_deref())?;
+    Ok((leg, result))
+}
+
 fn failed(error: sealegs_recorder::RecorderError) -> LegError {
     LegError::Observer(error.to_string())
 }
 
 impl Observer for LegRecorder {
-    fn start(&mut self, leg: &LegDescription) -> Result<(), LegError> {
+    fn start(&mut self, leg: &LegDescription) -> std::result::Result<(), LegError> {
         let scene = scene(leg, &self.document);
         self.writer = Some(RecordingWriter::create(&self.output, &scene).map_err(failed)?);
         Ok(())
     }
 
-    fn sample(&mut self, sample: &Sample) -> Result<(), LegError> {
+    fn sample(&mut self, sample: &Sample) -> std::result::Result<(), LegError> {
         let at_start = *self.potential_at_start_j.get_or_insert(sample.energy.potential_j);
         let Some(writer) = &mut self.writer else { return Ok(()) };
         let due = writer.due(sample.time_s);
@@ -220,7 +237,7 @@ impl Observer for LegRecorder {
         writer.frame(&frame).map_err(failed)
     }
 
-    fn event(&mut self, event: &Event) -> Result<(), LegError> {
+    fn event(&mut self, event: &Event) -> std::result::Result<(), LegError> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
         let level = match event.level() {
             EventLevel::Info => rec::Level::Info,

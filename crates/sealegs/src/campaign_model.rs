@@ -1,9 +1,8 @@
 //! The model of a campaign, whatever it was recorded on, and what commands ask of it beside predictions.
 
 use crate::diagnosis::addition::Added;
-use crate::diagnosis::provenance::Provenance;
-use crate::failure::OrBadInput;
-use crate::{bench_model, leg_model};
+use crate::diagnosis::provenance::{Input, Provenance};
+use crate::{ModelSource, Result, bench_model, leg_model};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_model::Model;
@@ -26,7 +25,7 @@ pub trait CampaignModel: Model {
     /// # Errors
     ///
     /// If a scenario cannot be written.
-    fn plan(&self, experiment: &Experiment, folder: &Path) -> anyhow::Result<Option<String>>;
+    fn plan(&self, experiment: &Experiment, folder: &Path) -> Result<Option<String>>;
 
     /// The text of a model file with the effects and values that were added, which loads again; `folder` is where it
     /// will lie.
@@ -40,7 +39,7 @@ pub trait CampaignModel: Model {
         campaign: &Campaign,
         provenance: &[(&str, String)],
         folder: &Path,
-    ) -> anyhow::Result<String>;
+    ) -> Result<String>;
 }
 
 /// The nominal model of a campaign's bench and actuator or of its scenario, or of the file `model` in its place.
@@ -51,7 +50,7 @@ pub trait CampaignModel: Model {
 ///
 /// Bad input: an unknown actuator or scenario, a file with an error in it, a bench that needs another kind of
 /// actuator, a run that the model cannot predict.
-pub fn of_campaign(campaign: &mut Campaign, model: Option<&Path>) -> anyhow::Result<Box<dyn CampaignModel>> {
+pub fn of_campaign(campaign: &mut Campaign, model: Option<&Path>) -> Result<Box<dyn CampaignModel>> {
     with_own_effects(campaign, model, &[])
 }
 
@@ -64,17 +63,30 @@ pub fn with_own_effects(
     campaign: &mut Campaign,
     model: Option<&Path>,
     own: &[PathBuf],
-) -> anyhow::Result<Box<dyn CampaignModel>> {
+) -> Result<Box<dyn CampaignModel>> {
+    of_source(campaign, &ModelSource::from(model), own)
+}
+
+/// As [`with_own_effects`], of a model that may be no file.
+///
+/// # Errors
+///
+/// As [`with_own_effects`], and a model of another kind than the campaign's.
+pub fn of_source(
+    campaign: &mut Campaign,
+    model: &ModelSource,
+    own: &[PathBuf],
+) -> Result<Box<dyn CampaignModel>> {
     let own = own
         .iter()
-        .map(|path| OwnEffect::load(path).map(|effect| Arc::new(effect) as Arc<dyn Effect>).or_bad_input())
-        .collect::<anyhow::Result<Vec<_>>>()?;
+        .map(|path| Ok(Arc::new(OwnEffect::load(path)?) as Arc<dyn Effect>))
+        .collect::<Result<Vec<_>>>()?;
     let model: Box<dyn CampaignModel> = match campaign.bench {
-        campaign::Bench::Leg => Box::new(leg_model::of_campaign(campaign, model, own)?),
-        _ => Box::new(bench_model::of_campaign(campaign, model, own)?),
+        campaign::Bench::Leg => Box::new(leg_model::of_source(campaign, model, own)?),
+        _ => Box::new(bench_model::of_source(campaign, model, own)?),
     };
     let seen: &dyn Model = model.as_ref();
-    campaign.check_against(seen).or_bad_input()?;
+    campaign.check_against(seen)?;
     Ok(model)
 }
 
@@ -84,19 +96,16 @@ pub fn with_own_effects(
 /// and every interval would come out too narrow. A remark in the campaign says that it is not.
 pub(crate) fn was_fitted_here(
     provenance: &BTreeMap<String, String>,
-    model: Option<&Path>,
+    model: &ModelSource,
     campaign: &mut Campaign,
-) -> anyhow::Result<bool> {
+) -> Result<bool> {
     let Some(inputs) = provenance.get(INPUTS) else { return Ok(false) };
-    let runs = campaign.runs_of(campaign::Role::Fit).map(|run| run.path.as_path());
-    let runs = Provenance::new(String::new(), runs)?;
-    let own = runs.inputs.iter().any(|run| inputs.contains(&run.sha256));
+    let runs = campaign.runs_of(campaign::Role::Fit).map(Input::of_run).collect::<Result<Vec<_>>>()?;
+    let own = runs.iter().any(|run| inputs.contains(&run.sha256));
     if own {
-        let stated = campaign.scenario.as_ref().unwrap_or(&campaign.actuator);
-        let file = model.map_or_else(|| campaign.folder().join(stated), Path::to_owned);
+        let label = model.label(campaign);
         campaign.notes.push(format!(
-            "{}: was fitted to runs of this campaign; its standard errors do not count as known beforehand",
-            file.display()
+            "{label}: was fitted to runs of this campaign; its standard errors do not count as known beforehand"
         ));
     }
     Ok(own)
@@ -104,7 +113,7 @@ pub(crate) fn was_fitted_here(
 
 /// The files that a model was fitted to, as a model file keeps them.
 #[must_use]
-pub(crate) fn inputs_of(provenance: &Provenance) -> (&'static str, String) {
+pub fn inputs_of(provenance: &Provenance) -> (&'static str, String) {
     let hashes = provenance.inputs.iter().map(|i| format!("{} sha256:{}", i.file, i.sha256));
     (INPUTS, hashes.collect::<Vec<_>>().join("; "))
 }

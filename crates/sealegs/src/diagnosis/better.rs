@@ -1,0 +1,274 @@
+//! A model that was made better: the errors without and with the effects that were added, and the file that follows.
+
+use super::addition::{self, Added, Summary};
+use super::outcome::{Outcome, Ranked, RungSaid, Side, Work, parameters, percent};
+use super::provenance::Provenance;
+use super::story::{Sides, Story};
+use super::{page, text};
+use crate::campaign_model::{self, CampaignModel, inputs_of};
+use crate::stoppable::{Stoppable, unless_stopped};
+use crate::{Error, Options, Result, comparison};
+use sealegs_actuator::effect::OwnEffect;
+use sealegs_recorder::recording;
+use sealegs_sysid::{Campaign, Role};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// A model with effects added to it, both fitted to a campaign.
+pub struct Addition {
+    campaign: Campaign,
+    model: Box<dyn CampaignModel>,
+    label: String,
+    added: Added,
+    summary: Summary,
+    outcome: Outcome,
+    command: String,
+}
+
+/// Adds effects to the campaign's model, or to that of the options, and fits everything together.
+///
+/// An effect is named by its id (`coulomb-friction`, `knee/coulomb-friction`), by several ids (`backlash+cogging`), or by
+/// the file of a user's own effect.
+///
+/// ```no_run
+/// use sealegs::{Campaign, add};
+///
+/// let campaign = Campaign::read("knee-bench".as_ref())?;
+/// let better = add(&["coulomb-friction"], &campaign, "thor-linear")?;
+/// let (before, after) = (&better.summary().base, &better.summary().after);
+/// println!("{:?} -> {:?} noise units", before.holdout_error, after.holdout_error);
+/// std::fs::write("better.toml", better.model_file(".".as_ref())?).expect("a place for the model");
+/// # Ok::<(), sealegs::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// [`Error::UnknownEffect`] with the ids that the model can have, [`Error::BadEffect`], bad input in a file, a campaign
+/// without fit runs, a model that cannot be simulated, [`Error::Stopped`].
+pub fn add<E: AsRef<str>>(
+    effects: &[E],
+    campaign: &Campaign,
+    options: impl Into<Options>,
+) -> Result<Addition> {
+    let mut options = options.into();
+    let (effects, own) = named(effects)?;
+    options.own_effects.extend(own);
+    let mut campaign = campaign.clone();
+    let model = campaign_model::of_source(&mut campaign, &options.model, &options.own_effects)?;
+    campaign.require(Role::Fit)?;
+    let stoppable = Stoppable::new(model.as_ref(), &options);
+    let added = addition::add(&campaign, &stoppable, &effects, &|what| options.tell(&what));
+    let added = unless_stopped(&options, added)?;
+    let mut files: Vec<&Path> = options.own_effects.iter().map(PathBuf::as_path).collect();
+    files.extend(options.model.file());
+    let provenance = Provenance::of_campaign(&campaign, model.name(), &files)?;
+    Ok(Addition {
+        label: options.model.label(&campaign),
+        summary: added.summary(&campaign, provenance.clone()),
+        outcome: outcome(&campaign, &added, provenance),
+        command: options.command_of("sealegs::add"),
+        campaign,
+        model,
+        added,
+    })
+}
+
+impl Addition {
+    /// The result in numbers; what [`Addition::to_json`] writes.
+    #[must_use]
+    pub fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// The result in one sentence with its numbers.
+    #[must_use]
+    pub fn sentence(&self) -> &str {
+        &self.outcome.sentence
+    }
+
+    /// Both models with their fits.
+    #[must_use]
+    pub fn added(&self) -> &Added {
+        &self.added
+    }
+
+    /// The text of a model file (an actuator's, for a leg a scenario's) with the effects and values, which loads again
+    /// from `folder`; it says where its numbers come from.
+    ///
+    /// # Errors
+    ///
+    /// If the model would not load again.
+    pub fn model_file(&self, folder: &Path) -> Result<String> {
+        let provenance = &self.summary.provenance;
+        let from = [
+            ("command", self.command.clone()),
+            ("version", format!("sealegs {}", provenance.version)),
+            ("model", self.label.clone()),
+            inputs_of(provenance),
+        ];
+        self.model.better(&self.added, &self.campaign, &from, folder)
+    }
+
+    /// The numbers as JSON, indented, with the keys of the data contract.
+    ///
+    /// # Errors
+    ///
+    /// None for what an addition holds.
+    pub fn to_json(&self) -> Result<String> {
+        crate::json(&self.summary)
+    }
+
+    /// Errors before and after, and the values, for a terminal.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let added = &self.added;
+        let mut out = String::new();
+        let o = &mut out;
+        let _ = writeln!(o, "{} with {}", added.before.model.name(), added.effects.join(" + "));
+        let _ = writeln!(o, "\n  error in noise units      before      after");
+        let (b, a) = (added.before.fit.error(), added.after.fit.error());
+        let _ = writeln!(o, "  {:<22} {b:>9.3} {a:>10.3}", "fit runs");
+        match (&added.before_holdout, &added.after_holdout) {
+            (Some(b), Some(a)) => {
+                let _ = writeln!(o, "  {:<22} {:>9.3} {:>10.3}", "held-out runs", b.rms, a.rms);
+            }
+            _ => {
+                let _ = writeln!(
+                    o,
+                    "  no held-out runs: nothing judges the effect but the runs that it was fitted to"
+                );
+            }
+        }
+        let _ = writeln!(o, "\n  parameters");
+        out.push_str(&text::parameter_lines(&parameters(&added.after.fit)));
+        out
+    }
+
+    /// The report as one HTML file without anything outside it.
+    ///
+    /// # Errors
+    ///
+    /// None for the campaign that was fitted.
+    pub fn to_html(&self) -> Result<String> {
+        Ok(page(&self.story()?))
+    }
+
+    /// Measured, before, after and residuals of every run and channel.
+    ///
+    /// # Errors
+    ///
+    /// None for the campaign that was fitted.
+    pub fn recording(&self) -> Result<recording::Comparison> {
+        Ok(comparison::recording(&self.story()?.compared, self.outcome.sentence.clone()))
+    }
+
+    fn story(&self) -> Result<Story<'_>> {
+        let sides = Sides {
+            base: &self.added.before,
+            base_holdout: self.added.before_holdout.as_ref(),
+            after: Some(&self.added.after),
+            after_holdout: self.added.after_holdout.as_ref(),
+        };
+        Ok(Story::new(&self.campaign, &self.outcome, &sides, None, self.command.clone())?)
+    }
+}
+
+impl std::fmt::Debug for Addition {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Addition").field("summary", &self.summary).finish_non_exhaustive()
+    }
+}
+
+/// Ids of the effects that are asked for, and the files of those that a user wrote.
+///
+/// # Errors
+///
+/// [`Error::BadEffect`] for an empty name, a file that is not there, or an effect that is named twice; bad input in an
+/// effect's file.
+pub fn named<E: AsRef<str>>(asked: &[E]) -> Result<(Vec<String>, Vec<PathBuf>)> {
+    let bad = |effect: &str, problem| Error::BadEffect { effect: effect.to_owned(), problem };
+    let (mut ids, mut own) = (Vec::new(), Vec::new());
+    for argument in asked.iter().map(AsRef::as_ref) {
+        let whole = Path::new(argument).is_file();
+        let parts: Vec<&str> =
+            if whole { vec![argument] } else { argument.split('+').map(str::trim).collect() };
+        for part in parts {
+            let path = Path::new(part);
+            let id = if path.is_file() {
+                let effect = OwnEffect::load(path)?;
+                own.push(path.to_owned());
+                effect.table().get("id").and_then(|id| id.as_str()).unwrap_or_default().to_owned()
+            } else if part.ends_with(".toml") {
+                return Err(bad(part, "is no file that is there"));
+            } else {
+                part.to_owned()
+            };
+            if id.is_empty() {
+                return Err(bad(argument, "names an effect with an empty name"));
+            }
+            if ids.contains(&id) {
+                return Err(bad(&id, "is named twice"));
+            }
+            ids.push(id);
+        }
+    }
+    Ok((ids, own))
+}
+
+/// The addition in the form that the report shows.
+fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcome {
+    let base = Added::side(&added.before, added.before_holdout.as_ref());
+    let after = Added::side(&added.after, added.after_holdout.as_ref());
+    let floor = campaign.noise_floor();
+    let excess = |error: f64| (error * error - floor * floor).max(0.0);
+    let share = if excess(base.holdout_error) > 0.0 {
+        (excess(after.holdout_error) / excess(base.holdout_error)).min(1.0)
+    } else {
+        0.0
+    };
+    let runs = if added.before_holdout.is_some() { "held-out" } else { "fit" };
+    let sentence = format!(
+        "Added {}: the error on the {runs} runs goes from {:.3} to {:.3} noise units (floor {floor:.2}); {} of the energy above \
+         the floor is left.",
+        added.effects.join(" + "),
+        base.holdout_error,
+        after.holdout_error,
+        percent(share)
+    );
+    let left = |c: &sealegs_sysid::diagnose::Candidate| c.validation.mean_square();
+    let residuals = added.before.validation.residuals as f64;
+    let rung = |side: &Side, effects: &[String]| RungSaid {
+        effects: effects.to_vec(),
+        holdout_error: side.holdout_error,
+        fit_error: side.fit_error,
+    };
+    Outcome {
+        campaign: campaign.name.clone(),
+        noise_floor: floor,
+        ladder: vec![rung(&base, &[]), rung(&after, &added.effects)],
+        traces: Vec::new(),
+        missing_signals: Vec::new(),
+        missing_after: Vec::new(),
+        ranking: vec![Ranked {
+            effects: added.effects.clone(),
+            holdout_error: after.holdout_error,
+            evidence: 0.5 * (left(&added.before) - left(&added.after)) * residuals
+                / left(&added.after).max(1.0),
+            parameters: parameters(&added.after.fit),
+        }],
+        base,
+        verdict: "added",
+        effects: added.effects.clone(),
+        indistinguishable: Vec::new(),
+        same_by_another_name: Vec::new(),
+        equally_good_choices: Vec::new(),
+        after: Some(after),
+        unexplained_share: share,
+        next_experiment: String::new(),
+        sentence,
+        remainder: Vec::new(),
+        notes: campaign.notes.clone(),
+        work: Work { simulations: added.work.0, simulated_s: added.work.1 },
+        provenance,
+    }
+}

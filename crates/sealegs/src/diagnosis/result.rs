@@ -1,0 +1,160 @@
+//! A diagnosis that owns what it is about: a typed verdict, from which JSON, text, report, recording and plan are made.
+
+use super::outcome::Outcome;
+use super::progress::message;
+use super::provenance::Provenance;
+use super::story::{Sides, Story};
+use super::{page, text};
+use crate::campaign_model::{self, CampaignModel};
+use crate::stoppable::{Stoppable, unless_stopped};
+use crate::{Options, Result, comparison};
+use sealegs_recorder::recording;
+use sealegs_sysid::diagnose::{self, Experiment};
+use sealegs_sysid::{Campaign, Role};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Which physical effect a model lacks, or that none is missing or none is known.
+#[derive(Debug)]
+pub struct Diagnosis {
+    campaign: Campaign,
+    model: Box<dyn CampaignModel>,
+    found: diagnose::Diagnosis,
+    experiment: Option<Experiment>,
+    outcome: Outcome,
+    command: String,
+    took: Duration,
+}
+
+/// Finds the physical effect that the campaign's model, or that of the options, lacks.
+///
+/// A campaign of a bench takes seconds to minutes, one of a leg minutes; [`Options::on_progress`] tells what is tried and
+/// [`Options::stop`] ends it.
+///
+/// ```no_run
+/// use sealegs::{Campaign, Options, diagnose};
+///
+/// let campaign = Campaign::read("knee-bench".as_ref())?;
+/// let verdict = diagnose(&campaign, Options::new().own_effect("belt-drag.toml"))?;
+/// println!("{}", verdict.sentence());
+/// for effect in &verdict.outcome().effects {
+///     println!("missing: {effect}");
+/// }
+/// std::fs::write("diagnose.html", verdict.to_html()?).expect("a place for the report");
+/// # Ok::<(), sealegs::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// Bad input in the model's or an effect's file, a campaign without fit or holdout runs, a model that cannot be
+/// simulated, [`Error::Stopped`](crate::Error::Stopped).
+pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diagnosis> {
+    let (started, options) = (Instant::now(), options.into());
+    let mut campaign = campaign.clone();
+    let model = campaign_model::of_source(&mut campaign, &options.model, &options.own_effects)?;
+    campaign.require(Role::Fit)?;
+    campaign.require(Role::Holdout)?;
+    let stoppable = Stoppable::new(model.as_ref(), &options);
+    let found = diagnose::diagnose(&campaign, &stoppable, &|p| options.tell(&message(&p)));
+    let found = unless_stopped(&options, found)?;
+    options.tell("planning the next experiment");
+    let experiment = diagnose::next_experiment(&campaign, &found, model.limits(&campaign));
+    let experiment = unless_stopped(&options, experiment)?;
+    let provenance = Provenance::of_campaign(&campaign, model.name(), &options.files())?;
+    let next = match &experiment {
+        Some(e) => e.sentence.clone(),
+        None => "There is nothing to tell apart, and so no experiment to propose.".to_owned(),
+    };
+    let outcome = Outcome::new(&campaign, &found, next, provenance);
+    let command = options.command_of("sealegs::diagnose");
+    Ok(Diagnosis { campaign, model, found, experiment, outcome, command, took: started.elapsed() })
+}
+
+impl Diagnosis {
+    /// The result in numbers; what [`Diagnosis::to_json`] writes.
+    #[must_use]
+    pub fn outcome(&self) -> &Outcome {
+        &self.outcome
+    }
+
+    /// The verdict in one sentence with its numbers.
+    #[must_use]
+    pub fn sentence(&self) -> &str {
+        &self.outcome.sentence
+    }
+
+    /// Every candidate that was fitted, and how the verdict follows.
+    #[must_use]
+    pub fn found(&self) -> &diagnose::Diagnosis {
+        &self.found
+    }
+
+    /// The campaign, with what the model's file says of its sensors and with remarks.
+    #[must_use]
+    pub fn campaign(&self) -> &Campaign {
+        &self.campaign
+    }
+
+    /// The model that was started from.
+    #[must_use]
+    pub fn model(&self) -> &dyn CampaignModel {
+        self.model.as_ref()
+    }
+
+    /// The experiment that would tell more, where one is proposed.
+    #[must_use]
+    pub fn experiment(&self) -> Option<&Experiment> {
+        self.experiment.as_ref()
+    }
+
+    /// The next experiment as the text of a file that can be played, which will lie in `folder`: CSV of an input, or a
+    /// leg's scenario. None where none is proposed.
+    ///
+    /// # Errors
+    ///
+    /// If the scenario cannot be written.
+    pub fn plan(&self, folder: &Path) -> Result<Option<String>> {
+        self.experiment.as_ref().map_or(Ok(None), |experiment| self.model.plan(experiment, folder))
+    }
+
+    /// The numbers as JSON, indented, with the keys of the data contract.
+    ///
+    /// # Errors
+    ///
+    /// None for what a diagnosis holds.
+    pub fn to_json(&self) -> Result<String> {
+        crate::json(&self.outcome)
+    }
+
+    /// Everything for a terminal.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        text::of(&self.outcome, self.took)
+    }
+
+    /// The report as one HTML file without anything outside it.
+    ///
+    /// # Errors
+    ///
+    /// None for the campaign that was diagnosed.
+    pub fn to_html(&self) -> Result<String> {
+        Ok(page(&self.story()?))
+    }
+
+    /// Measured, before, after and residuals of every run and channel.
+    ///
+    /// # Errors
+    ///
+    /// None for the campaign that was diagnosed.
+    pub fn recording(&self) -> Result<recording::Comparison> {
+        let o = &self.outcome;
+        let said = format!("{}\n\n{}\n\n{}", o.sentence, o.remainder.join(" "), o.next_experiment);
+        Ok(comparison::recording(&self.story()?.compared, said))
+    }
+
+    fn story(&self) -> Result<Story<'_>> {
+        let sides = Sides::of(&self.found);
+        let command = self.command.clone();
+        Ok(Story::new(&self.campaign, &self.outcome, &sides, self.experiment.as_ref(), command)?)
+    }
+}

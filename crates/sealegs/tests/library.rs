@@ -1,0 +1,97 @@
+//! What a caller of the library relies on: columns in memory are as good as files, errors can be matched on, work stops.
+
+use sealegs::{
+    Campaign, Error, ModelSource, Options, Role, RunColumns, Scenario, Stop, add, compare, diagnose,
+};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/campaigns").join(name)
+}
+
+fn bench() -> Campaign {
+    Campaign::read(&shipped("bench-knee")).unwrap()
+}
+
+/// The same campaign, of columns.
+fn in_memory(read: &Campaign) -> Campaign {
+    let builder = Campaign::builder(&read.name, read.bench, &read.actuator).sample_rate_hz(500.0);
+    let builder = read.noise.iter().fold(builder, |b, n| b.noise_std(&n.channel, n.std));
+    let runs = read.runs.iter().map(|run| {
+        let signals = run.record.inputs.iter().chain(&run.record.outputs);
+        let columns = signals.map(|s| (s.channel.clone(), s.values.clone()));
+        let time = ("time_s".to_owned(), run.record.time_s.clone());
+        RunColumns::new(&run.record.name, run.role, std::iter::once(time).chain(columns))
+    });
+    runs.fold(builder, sealegs::CampaignBuilder::run).build().unwrap()
+}
+
+#[test]
+fn columns_in_memory_are_compared_as_files_are() {
+    let read = bench();
+    let of_files = compare(&read, Options::new()).unwrap();
+    let of_columns = compare(&in_memory(&read), Options::new()).unwrap();
+    let numbers = |comparison: &sealegs::Comparison| {
+        let mut json: serde_json::Value = serde_json::from_str(&comparison.to_json().unwrap()).unwrap();
+        json.as_object_mut().unwrap().remove("provenance").unwrap();
+        json
+    };
+    assert_eq!(numbers(&of_files), numbers(&of_columns));
+    let inputs = &of_columns.summary().provenance.inputs;
+    assert_eq!(inputs.len(), read.runs.len());
+    assert!(inputs.iter().all(|i| i.file.starts_with("(memory)") && i.sha256.len() == 64), "{inputs:?}");
+    assert!(of_columns.to_html().unwrap().contains("sealegs::compare"));
+    assert!(of_columns.recording().unwrap().runs.len() == read.runs.len());
+}
+
+#[test]
+fn what_goes_wrong_can_be_matched_on() {
+    let campaign = bench();
+    match add(&["coulomb-frictoin"], &campaign, Options::new()).unwrap_err() {
+        Error::UnknownEffect { known, .. } => {
+            assert!(known.contains(&"coulomb-friction".to_owned()), "{known:?}")
+        }
+        other => panic!("{other}"),
+    }
+    let named = |effects: &[&str]| add(effects, &campaign, Options::new()).unwrap_err();
+    assert!(matches!(named(&[]), Error::NoEffect), "{}", named(&[]));
+    assert!(matches!(named(&["a", "a"]), Error::BadEffect { .. }));
+    assert!(matches!(named(&["own.toml"]), Error::BadEffect { .. }));
+    let leg = Scenario::load("thor-drop", &[]).unwrap();
+    let wrong = compare(&campaign, leg).unwrap_err();
+    assert!(
+        matches!(&wrong, Error::WrongModel { needed: "an actuator", .. }) && wrong.is_bad_input(),
+        "{wrong}"
+    );
+    let absent = compare(&campaign, ModelSource::from("no-such-actuator")).unwrap_err();
+    assert!(matches!(absent, Error::Actuator(_)), "{absent}");
+    let mut fit_only = campaign.clone();
+    fit_only.runs.retain(|run| run.role == Role::Fit);
+    let no_holdout = diagnose(&fit_only, Options::new()).unwrap_err();
+    assert!(matches!(&no_holdout, Error::Campaign(sealegs::sysid::Error::NoRun { role: "holdout", .. })));
+    assert!(no_holdout.is_bad_input());
+}
+
+#[test]
+fn work_ends_when_it_is_told_to() {
+    let campaign = Campaign::read(&shipped("leg-drop")).unwrap();
+    let stop = Stop::new();
+    let options = Options::new().stop(&stop);
+    let handle = stop.clone();
+    // A leg's diagnosis takes tens of seconds; it is stopped as soon as its search has begun.
+    let stopper = std::thread::spawn(move || {
+        while handle.simulations() < 20 {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        handle.stop();
+        Instant::now()
+    });
+    let done = diagnose(&campaign, options);
+    let ended = Instant::now();
+    let told = stopper.join().unwrap();
+    assert!(matches!(done, Err(Error::Stopped)), "{done:?}");
+    let late = ended.duration_since(told);
+    assert!(late < Duration::from_secs(10), "{late:?} after it was told");
+    assert!(!Error::Stopped.is_bad_input());
+}
