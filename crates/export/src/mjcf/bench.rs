@@ -1,0 +1,330 @@
+//! A bench for MuJoCo: the sprung mass on its spring, the screw as a tendon that carries the rotor, the lever.
+//!
+//! The coordinate of the joint `deflection` is `delta`, that of `screw_end` (with a series compliance) is `x_s`, that of
+//! `lever` the angle from hanging. The fixed tendon `screw` has the length `y = delta + x_s`, or `delta + arm angle`; its
+//! armature is the rotor's reflected inertia, so that kinetic energy and forces are those of `sealegs_actuator::plant`
+//! exactly, without a constraint to solve.
+
+use super::{SHORTEST_DELAY_S, STEP_S, callback, delayed, holding};
+use crate::bench::{BenchDescription, Output};
+use crate::term::Term;
+use crate::text::{escaped, module, num, nums, xml_head};
+use crate::{Exported, Note};
+use sealegs_actuator::Kind;
+use std::fmt::Write;
+
+/// The share of the moving inertia that a body without mass gets, for MuJoCo admits none: no signal feels it.
+const LEAST_SHARE: f64 = 1e-9;
+
+pub fn write(bench: &BenchDescription, stem: &str) -> Exported {
+    let notes = notes(bench, stem);
+    let model = escaped(&bench.name);
+    let mut out = xml_head(&format!("{} for MuJoCo 4, written by sealegs", bench.name), &notes);
+    let o = &mut out;
+    let _ = writeln!(o, "<mujoco model=\"{model}\">");
+    let _ = writeln!(o, "  <compiler angle=\"radian\" autolimits=\"true\"/>");
+    // Runge-Kutta of fourth order: a tenth of a millisecond then leaves nothing that a sensor could see.
+    let _ = writeln!(
+        o,
+        "  <option timestep=\"{}\" integrator=\"RK4\" gravity=\"0 0 {}\" iterations=\"100\" tolerance=\"1e-12\"/>",
+        num(STEP_S),
+        num(-bench.gravity_m_s2)
+    );
+    bodies(o, bench);
+    tendons(o, bench);
+    drive(o, bench);
+    let _ = writeln!(
+        o,
+        "  <sensor>\n    <jointpos name=\"spring_deflection\" joint=\"deflection\"/>\n    <tendonpos name=\"screw_extension\" \
+         tendon=\"screw\"/>\n    <tendonvel name=\"screw_speed\" tendon=\"screw\"/>"
+    );
+    if let Output::Pendulum { .. } = bench.output {
+        let _ = writeln!(o, "    <jointpos name=\"joint_angle\" joint=\"lever\"/>");
+    }
+    let _ = writeln!(o, "  </sensor>\n</mujoco>");
+    let python = callback::python(bench, stem, &notes);
+    Exported { text: out, beside: vec![(format!("{}.py", module(stem)), python)], notes }
+}
+
+/// Joint type, axis and inertial of a body that moves along the actuator's axis, or turns about it.
+fn moving(bench: &BenchDescription, inertia: f64) -> (&'static str, String) {
+    let least = LEAST_SHARE * (bench.inertia + bench.sprung_mass);
+    let m = inertia.max(least);
+    match bench.kind {
+        // The moments of a body that does not turn: those of a ball of 1 cm.
+        Kind::Linear => ("slide", inertial("0 0 0", m, 1e-4 * m)),
+        Kind::Rotary => ("hinge", inertial("0 0 0", m, m)),
+    }
+}
+
+fn inertial(at: &str, mass: f64, moment: f64) -> String {
+    let moment = num(moment);
+    format!("<inertial pos=\"{at}\" mass=\"{}\" diaginertia=\"{moment} {moment} {moment}\"/>", num(mass))
+}
+
+fn bodies(o: &mut String, bench: &BenchDescription) {
+    let _ = writeln!(o, "  <worldbody>");
+    let (kind, inertial_of) = moving(bench, bench.sprung_mass);
+    let mut spring = String::new();
+    if gap(bench) == 0.0 {
+        let _ = write!(spring, " stiffness=\"{}\"", stiffness(bench));
+        let damping = spring_damping(bench);
+        if damping > 0.0 {
+            let _ = write!(spring, " damping=\"{}\"", num(damping));
+        }
+    }
+    let _ = writeln!(
+        o,
+        "    <body name=\"sprung_mass\">\n      {inertial_of}\n      <joint name=\"deflection\" type=\"{kind}\" axis=\"-1 0 0\"\
+         {spring}/>\n    </body>"
+    );
+    if let Some((stiffness, mass)) = bench.series() {
+        let (kind, inertial_of) = moving(bench, mass);
+        // Towards a lever the compliance is a tendon.
+        let held = if bench.output == Output::Held {
+            format!(" stiffness=\"{}\"", num(stiffness))
+        } else {
+            String::new()
+        };
+        let _ = writeln!(
+            o,
+            "    <body name=\"screw_end\" pos=\"0.2 0 0\">\n      {inertial_of}\n      <joint name=\"screw_end\" type=\"{kind}\" \
+             axis=\"1 0 0\"{held}/>\n    </body>"
+        );
+    }
+    if let Output::Pendulum { mass_kg, length_m, .. } = bench.output {
+        let friction =
+            bench.sum(|t| if let Term::OutputFriction { torque } = t { Some(*torque) } else { None });
+        let friction = if friction > 0.0 {
+            format!(" frictionloss=\"{}\" {}", num(friction), holding())
+        } else {
+            String::new()
+        };
+        let at = nums(&[0.0, 0.0, -length_m]);
+        // A point mass: its own moments are as good as none.
+        let point = inertial(&at, mass_kg, LEAST_SHARE * mass_kg * length_m * length_m);
+        let _ = writeln!(
+            o,
+            "    <body name=\"lever\" pos=\"0.4 0 0\">\n      {point}\n      <joint name=\"lever\" type=\"hinge\" \
+             axis=\"0 -1 0\"{friction}/>\n      <geom type=\"capsule\" fromto=\"0 0 0 {at}\" size=\"0.01\" mass=\"0\" \
+             contype=\"0\" conaffinity=\"0\"/>"
+        );
+        wobbling(o, bench);
+        let _ = writeln!(o, "    </body>");
+    }
+    let _ = writeln!(o, "  </worldbody>");
+}
+
+fn wobbling(o: &mut String, bench: &BenchDescription) {
+    for (_, term) in bench.terms() {
+        if let Term::Wobbling { mass, radius, frequency_hz, ratio } = *term
+            && mass > 0.0
+        {
+            let w = std::f64::consts::TAU * frequency_hz;
+            let point = inertial("0 0 0", mass, LEAST_SHARE * mass * radius * radius);
+            let _ = writeln!(
+                o,
+                "      <body name=\"wobbling_mass\" pos=\"{}\">\n        {point}\n        <joint name=\"wobbling_mass\" \
+                 type=\"slide\" axis=\"1 0 0\" stiffness=\"{}\" damping=\"{}\"/>\n      </body>",
+                nums(&[0.0, 0.0, -radius]),
+                num(mass * w * w),
+                num(2.0 * ratio * w * mass)
+            );
+        }
+    }
+}
+
+/// `k`, or `k 0 k_3` for a hardening spring.
+pub fn stiffness(bench: &BenchDescription) -> String {
+    let cubic = bench.sum(|t| if let Term::Hardening { cubic } = t { Some(*cubic) } else { None });
+    if cubic == 0.0 { num(bench.stiffness) } else { nums(&[bench.stiffness, 0.0, cubic]) }
+}
+
+pub fn spring_damping(bench: &BenchDescription) -> f64 {
+    bench.sum(|t| if let Term::SpringDamping { damping } = t { Some(*damping) } else { None })
+}
+
+pub fn gap(bench: &BenchDescription) -> f64 {
+    bench.sum(|t| if let Term::Backlash { gap } = t { Some(*gap) } else { None })
+}
+
+/// The joints along the screw with what each adds to its extension.
+fn along_screw(bench: &BenchDescription) -> String {
+    let mut joints = vec![("deflection", 1.0)];
+    match (bench.series(), bench.output) {
+        (Some(_), _) => joints.push(("screw_end", 1.0)),
+        (None, Output::Pendulum { arm_m, .. }) => joints.push(("lever", arm_m)),
+        (None, Output::Held) => {}
+    }
+    path(&joints)
+}
+
+pub fn path(joints: &[(&str, f64)]) -> String {
+    let one =
+        |(name, coef): &(&str, f64)| format!("      <joint joint=\"{name}\" coef=\"{}\"/>\n", num(*coef));
+    joints.iter().map(one).collect()
+}
+
+/// What the rotor is, as attributes of a tendon or a joint.
+pub fn screw_attributes(bench: &BenchDescription) -> String {
+    let drag = bench.sum(|t| if let Term::Drag { coefficient } = t { Some(*coefficient) } else { None });
+    let damping = if drag == 0.0 { num(bench.damping) } else { nums(&[bench.damping, drag, 0.0]) };
+    let mut attributes = format!(" armature=\"{}\" damping=\"{damping}\"", num(bench.inertia));
+    if bench.terms().any(|(_, t)| t.dry_friction().is_some()) {
+        let _ = write!(attributes, " frictionloss=\"{}\" {}", num(bench.sum(Term::dry_friction)), holding());
+    }
+    attributes
+}
+
+fn tendons(o: &mut String, bench: &BenchDescription) {
+    let mut fixed = |name: &str, attributes: String, path: &str| {
+        let _ = write!(o, "    <fixed name=\"{name}\"{attributes}>\n{path}    </fixed>\n");
+    };
+    let screw = along_screw(bench);
+    let mut rest: Vec<(&str, String, String)> = Vec::new();
+    let half_gap = 0.5 * gap(bench);
+    if half_gap > 0.0 {
+        let damping = spring_damping(bench);
+        let damping = if damping > 0.0 { format!(" damping=\"{}\"", num(damping)) } else { String::new() };
+        let play = nums(&[-half_gap, half_gap]);
+        let spring = format!(" stiffness=\"{}\" springlength=\"{play}\"{damping}", stiffness(bench));
+        rest.push(("spring", spring, path(&[("deflection", 1.0)])));
+    }
+    for (_, term) in bench.terms() {
+        match *term {
+            Term::Presliding { force, stiffness } if force > 0.0 => {
+                rest.push(("presliding", yielding(stiffness, force), screw.clone()));
+            }
+            Term::SpringSlip { stiffness, force } if force > 0.0 => {
+                rest.push(("clamp_slip", yielding(stiffness, force), path(&[("deflection", 1.0)])));
+            }
+            _ => {}
+        }
+    }
+    if let (Some((stiffness, _)), Output::Pendulum { arm_m, .. }) = (bench.series(), bench.output) {
+        let spring = format!(" stiffness=\"{}\"", num(stiffness));
+        rest.push(("series", spring, path(&[("screw_end", 1.0), ("lever", -arm_m)])));
+    }
+    fixed("screw", screw_attributes(bench), &screw);
+    for (name, attributes, path) in rest {
+        fixed(name, attributes, &path);
+    }
+    let text = std::mem::take(o);
+    // All tendons belong into one element.
+    let at = text.find("    <fixed").unwrap_or(text.len());
+    let _ = write!(o, "{}  <tendon>\n{}  </tendon>\n", &text[..at], &text[at..]);
+}
+
+/// A spring that yields at a force: an elastic element in series with a dry slider.
+pub fn yielding(stiffness: f64, force: f64) -> String {
+    format!(" stiffness=\"{}\" springyield=\"{}\"", num(stiffness), num(force / stiffness))
+}
+
+fn drive(o: &mut String, bench: &BenchDescription) {
+    let attributes = drive_attributes(bench, bench.command_limit());
+    let _ = writeln!(o, "  <actuator>\n    <general name=\"motor\" tendon=\"screw\"{attributes}/>");
+    for (_, term) in bench.terms() {
+        o.push_str(&cogging(bench, term, "cogging", "tendon=\"screw\""));
+    }
+    let _ = writeln!(o, "  </actuator>");
+}
+
+/// Gain, limit and delay of the motor.
+pub fn drive_attributes(bench: &BenchDescription, limit: Option<f64>) -> String {
+    let mut attributes = format!(" gainprm=\"{}\"", num(bench.gain));
+    if bench.offset_force != 0.0 {
+        let _ =
+            write!(attributes, " biastype=\"affine\" biasprm=\"{}\"", nums(&[bench.offset_force, 0.0, 0.0]));
+    }
+    if let Some(limit) = limit {
+        let _ = write!(attributes, " ctrlrange=\"{}\"", nums(&[-limit, limit]));
+    }
+    attributes + &delayed(bench.delay_s())
+}
+
+/// A torque ripple as a motor without current, of which the cogging is left, at the rotor; nothing for another term.
+pub fn cogging(bench: &BenchDescription, term: &Term, name: &str, at: &str) -> String {
+    let Term::Ripple { amplitude, cycles, phase } = *term else { return String::new() };
+    format!(
+        "    <dcmotor name=\"{name}\" {at} gear=\"{}\" input=\"none\" motorconst=\"0\" resistance=\"1\" cogging=\"{}\"/>\n",
+        num(1.0 / bench.travel_per_rad),
+        nums(&[amplitude * bench.travel_per_rad, cycles, phase])
+    )
+}
+
+/// What became of everything that the model includes.
+fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
+    let python = format!("{}.py", module(stem));
+    let mut notes = vec![
+        Note::held(
+            "rotor",
+            "armature and damping of the tendon 'screw', whose length is the screw's extension",
+        ),
+        Note::held("command", format!("actuator 'motor', in the unit of {}", bench.input)),
+        Note::callback(
+            "load cells",
+            format!("{python}: Bench(model).channels(data) gives the bench's channels"),
+        ),
+    ];
+    for (id, term) in bench.terms() {
+        let callback = |how: &str| Note::callback(id, format!("{python}: {how}"));
+        notes.push(match term {
+            Term::Coulomb { .. } => Note::held(id, "frictionloss of the tendon 'screw'"),
+            Term::Stribeck { .. } | Term::LoadFriction { .. } | Term::DirectedFriction { .. } => {
+                callback("sets the frictionloss of the tendon 'screw' at every step")
+            }
+            Term::Presliding { .. } => Note::held(id, "tendon 'presliding': a spring with springyield"),
+            Term::Drag { .. } => Note::held(id, "quadratic damping of the tendon 'screw'"),
+            Term::Ripple { .. } => Note::held(id, "cogging of a dcmotor without current"),
+            Term::CommandLimit { .. } => Note::held(id, "ctrlrange of the actuator 'motor'"),
+            Term::VoltageLimit { .. } => {
+                callback("takes from the motor's force what the voltage does not give")
+            }
+            Term::Delay { delay_s } if *delay_s < SHORTEST_DELAY_S => Note::near(
+                id,
+                format!(
+                    "delay of the actuator 'motor', which is no shorter than {} s",
+                    num(SHORTEST_DELAY_S)
+                ),
+            ),
+            Term::Delay { .. } => {
+                Note::held(id, "delay of the actuator 'motor', and half a step for its interpolation")
+            }
+            Term::Quantisation { .. } => callback("rounds the control"),
+            Term::Hardening { .. } => Note::held(id, "cubic stiffness"),
+            Term::SpringDamping { .. } if gap(bench) > 0.0 => {
+                Note::near(id, "damping beside the spring, within the play too")
+            }
+            Term::SpringDamping { .. } => Note::held(id, "damping of the joint 'deflection'"),
+            Term::SpringSlip { .. } => Note::held(id, "tendon 'clamp_slip': a spring with springyield"),
+            Term::Backlash { .. } => {
+                Note::held(id, "springlength of the tendon 'spring' as a range, within which it has no force")
+            }
+            Term::Series { .. } => {
+                Note::held(id, "body 'screw_end' between screw and output, on its own spring")
+            }
+            Term::Mode { .. } | Term::SensorLag { .. } | Term::SensorDelay { .. } => {
+                callback("Bench(model).sense(data) passes the channels through it, step by step")
+            }
+            Term::OutputFriction { .. } => Note::held(id, "frictionloss of the joint 'lever'"),
+            Term::Wobbling { .. } => Note::held(id, "body 'wobbling_mass' on the lever"),
+            Term::Own(own) if matches!(own.acts_on.as_str(), "rotor" | "drive" | "spring" | "output") => {
+                callback("your law as a force")
+            }
+            Term::Own(_) | Term::Unknown => Note::lost(id, "this writer does not know the effect"),
+        });
+    }
+    if bench.sensors.values().any(|s| s.gain.is_some() || s.bias.is_some()) {
+        notes.push(Note::lost(
+            "gain and bias of the sensors",
+            "they stay in the model file: measured = gain true + bias",
+        ));
+    }
+    let (lead, skew) = bench.logger;
+    if lead || skew != 0.0 {
+        let lead = if lead { "a row's command acted in the period before its time stamp; " } else { "" };
+        let how = format!("{lead}commands are late by {} of a period: they belong to the log", num(skew));
+        notes.push(Note::lost("time stamps of the logger", how));
+    }
+    notes
+}

@@ -1,0 +1,332 @@
+//! A robot of links and joints with losses and limits: what URDF, SDF and Isaac Lab can say.
+//!
+//! A series elastic actuator lies beside the joints, between two links; these formats have drives at joints only. On a
+//! locked bench the joint is the spring's deflection. Everywhere else the spring is taken as rigid and the actuator's
+//! inertia, damping, friction and limits are brought to the joints through the moment arms at the start.
+
+use crate::bench::{BenchDescription, Output};
+use crate::leg::LegDescription;
+use crate::term::Term;
+use crate::text::num;
+use crate::{ExportError, Note};
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
+use sealegs_actuator::Kind;
+use sealegs_leg::robot::{Inertial, JointKind, JointLimits, Link};
+
+/// How far a format reaches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reach {
+    /// Bodies, losses and limits: a rotor is inertia of a body.
+    Body,
+    /// A joint has a spring, too.
+    Spring,
+    /// A joint has an armature, a drive with stiffness, a delay and a torque-speed curve, too.
+    Armature,
+}
+
+/// What drives a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointDrive {
+    /// Stiffness of a spring about zero.
+    pub spring: f64,
+    /// Inertia of rotors, brought to the joint.
+    pub armature: f64,
+    /// Friction at rest, where it is greater than in motion.
+    pub friction_at_rest: f64,
+    pub delay_s: f64,
+    /// Effort at rest and speed at no load under a voltage.
+    pub voltage: Option<(f64, f64)>,
+}
+
+/// A joint.
+#[derive(Debug, Clone)]
+pub struct RigidJoint {
+    pub name: String,
+    pub kind: JointKind,
+    pub parent: usize,
+    pub child: usize,
+    pub origin: Isometry3<f64>,
+    pub axis: Vector3<f64>,
+    pub limits: JointLimits,
+    pub damping: f64,
+    pub friction: f64,
+    pub drive: Option<JointDrive>,
+}
+
+/// Links and joints; the only root is `links[0]`, `joints[i]` carries `links[i + 1]`.
+#[derive(Debug, Clone)]
+pub struct RigidRobot {
+    pub name: String,
+    pub title: String,
+    pub links: Vec<Link>,
+    pub joints: Vec<RigidJoint>,
+    /// Whether the root is the world.
+    pub fixed_root: bool,
+    pub notes: Vec<Note>,
+}
+
+fn link(name: &str, mass_kg: f64, com: Point3<f64>, moment: f64) -> Link {
+    let inertial = (mass_kg > 0.0).then(|| Inertial { mass_kg, com, inertia: Matrix3::identity() * moment });
+    Link { name: name.to_owned(), inertial, visuals: Vec::new(), collisions: Vec::new() }
+}
+
+impl RigidRobot {
+    pub fn of_bench(bench: &BenchDescription, reach: Reach) -> Self {
+        let mut notes = Vec::new();
+        let rigid = bench.output != Output::Held;
+        let arm = if let Output::Pendulum { arm_m, .. } = bench.output { arm_m } else { 1.0 };
+        for (id, term) in bench.terms() {
+            notes.push(note(id, term, reach, rigid));
+        }
+        if rigid {
+            notes.insert(
+                0,
+                Note::lost(
+                    "spring",
+                    "a tree of joints cannot close the loop between screw, spring and lever: rigid",
+                ),
+            );
+        } else if reach == Reach::Body {
+            notes.insert(
+                0,
+                Note::lost("spring", format!("no joint has one; its stiffness is {}", num(bench.stiffness))),
+            );
+        }
+        notes.insert(0, Note::lost("load cells", "no such sensor between drive and joint"));
+        let armature = bench.inertia * arm * arm;
+        let mut drive = JointDrive {
+            spring: if rigid { 0.0 } else { bench.stiffness },
+            ..driven(bench, arm, if reach == Reach::Armature { armature } else { 0.0 })
+        };
+        let in_body = if reach == Reach::Armature { 0.0 } else { armature };
+        let (child, kind, axis) = match (bench.output, bench.kind) {
+            (Output::Pendulum { mass_kg, length_m, .. }, _) => {
+                let com = Point3::new(0.0, 0.0, -length_m);
+                // A point mass has no moments of its own, which these formats do not admit.
+                let moment = in_body.max(1e-6 * mass_kg * length_m * length_m);
+                (link("lever", mass_kg, com, moment), JointKind::Continuous, -Vector3::y())
+            }
+            (Output::Held, Kind::Linear) => {
+                let mass = bench.sprung_mass + in_body;
+                (
+                    link("sprung_mass", mass, Point3::origin(), 1e-4 * mass),
+                    JointKind::Prismatic,
+                    -Vector3::x(),
+                )
+            }
+            (Output::Held, Kind::Rotary) => {
+                let moment = bench.sprung_mass + in_body;
+                (link("sprung_mass", moment, Point3::origin(), moment), JointKind::Continuous, -Vector3::x())
+            }
+        };
+        let spring_damping =
+            bench.sum(|t| if let Term::SpringDamping { damping } = t { Some(*damping) } else { None });
+        let at_output =
+            bench.sum(|t| if let Term::OutputFriction { torque } = t { Some(*torque) } else { None });
+        drive.friction_at_rest += at_output;
+        let effort = bench.command_limit().map_or(f64::INFINITY, |limit| limit * bench.gain.abs() * arm);
+        // The spring's own force must not be clipped with the motor's.
+        let effort = if reach == Reach::Armature && !rigid { f64::INFINITY } else { effort };
+        let joint = RigidJoint {
+            name: if rigid { "lever" } else { "deflection" }.to_owned(),
+            kind,
+            parent: 0,
+            child: 1,
+            origin: Isometry3::identity(),
+            axis,
+            limits: JointLimits { effort, velocity: speed_limit(&drive), ..JointLimits::NONE },
+            damping: bench.damping * arm * arm + if rigid { 0.0 } else { spring_damping },
+            friction: moving_friction(bench) * arm + at_output,
+            drive: Some(drive),
+        };
+        Self {
+            name: "bench".to_owned(),
+            title: bench.name.clone(),
+            links: vec![link("frame", 0.0, Point3::origin(), 0.0), child],
+            joints: vec![joint],
+            fixed_root: true,
+            notes,
+        }
+    }
+
+    /// # Errors
+    ///
+    /// [`ExportError::Leg`] where a linkage does not close at the start.
+    pub fn of_leg(leg: &LegDescription, reach: Reach) -> Result<Self, ExportError> {
+        let robot = &leg.robot;
+        let arms = robot.moment_arms(&leg.start_q)?;
+        let mut notes = vec![
+            Note::lost(
+                "springs",
+                "a tree of joints cannot close the loops of the actuators: rigid, with the rotors at the joints",
+            ),
+            Note::near(
+                "actuators",
+                "inertia, damping, friction and effort by the moment arms at the start, each joint by itself",
+            ),
+        ];
+        let root = if leg.rail { 1 } else { 0 };
+        let mut links = robot.links.clone();
+        let mut joints = Vec::new();
+        if leg.rail {
+            links.insert(0, link("rail", 0.0, Point3::origin(), 0.0));
+            joints.push(RigidJoint {
+                name: "rail".to_owned(),
+                kind: JointKind::Prismatic,
+                parent: 0,
+                child: 1,
+                origin: leg.world_from_base,
+                axis: Vector3::z(),
+                limits: JointLimits::NONE,
+                damping: 0.0,
+                friction: 0.0,
+                drive: None,
+            });
+        }
+        for joint in &robot.joints {
+            let mut made = RigidJoint {
+                name: joint.name.clone(),
+                kind: joint.kind,
+                parent: joint.parent + root,
+                child: joint.child + root,
+                origin: joint.origin,
+                axis: joint.axis.into_inner(),
+                limits: joint.limits,
+                damping: joint.damping,
+                friction: joint.friction,
+                drive: None,
+            };
+            if let Some(dof) = joint.dof {
+                bring(leg, dof, &arms, reach, &mut made, &mut links);
+            }
+            joints.push(made);
+        }
+        for actuator in &leg.actuators {
+            for (id, term) in actuator.drive.terms() {
+                notes.push(note(&format!("{}/{id}", actuator.placement.name), term, reach, true));
+            }
+        }
+        for (id, _) in &leg.others {
+            notes.push(Note::lost(id.as_str(), "an effect of the ground, a stop or a sensor"));
+        }
+        if leg.ground.is_some() {
+            notes.push(Note::lost("ground", "the contact's law is the simulator's own"));
+        }
+        notes.push(Note::lost("start", format!("joints at the start, rad: {:?}", leg.start_q)));
+        let mut fixed_root = true;
+        if !leg.rail {
+            fixed_root = leg.world_from_base
+                == Isometry3::from_parts(Translation3::identity(), leg.world_from_base.rotation);
+            notes.push(Note::lost(
+                "base",
+                format!("fixed at a height of {} m", num(leg.world_from_base.translation.z)),
+            ));
+        }
+        Ok(Self { name: robot.name.clone(), title: leg.name.clone(), links, joints, fixed_root, notes })
+    }
+}
+
+/// Brings to one joint what its actuators are, through their moment arms.
+fn bring(
+    leg: &LegDescription,
+    dof: usize,
+    arms: &nalgebra::DMatrix<f64>,
+    reach: Reach,
+    joint: &mut RigidJoint,
+    links: &mut [Link],
+) {
+    let mut drive = JointDrive::default();
+    let (mut effort, mut any) = (0.0, false);
+    for actuator in &leg.actuators {
+        let Some(row) = leg.robot.actuator_index(&actuator.placement.name) else { continue };
+        let arm = arms[(row, dof)].abs();
+        if arm == 0.0 {
+            continue;
+        }
+        any = true;
+        let bench = &actuator.drive;
+        let own = driven(bench, arm, bench.inertia * arm * arm);
+        drive.armature += own.armature;
+        drive.friction_at_rest += own.friction_at_rest;
+        drive.delay_s = drive.delay_s.max(own.delay_s);
+        drive.voltage = own.voltage.or(drive.voltage);
+        joint.damping += bench.damping * arm * arm;
+        joint.friction += moving_friction(bench) * arm;
+        let limit = bench.command_limit().unwrap_or(f64::INFINITY).min(actuator.current_limit_a);
+        effort += limit * bench.gain.abs() * arm;
+    }
+    if !any {
+        return;
+    }
+    joint.limits.effort = joint.limits.effort.min(effort);
+    joint.limits.velocity = joint.limits.velocity.min(speed_limit(&drive));
+    if reach != Reach::Armature
+        && let Some(inertial) = links[joint.child].inertial.as_mut()
+    {
+        // About the joint's axis only; a third about the others keeps the body possible.
+        let along = joint.axis * joint.axis.transpose();
+        inertial.inertia += (along + (Matrix3::identity() - along) * 0.5) * drive.armature;
+        drive.armature = 0.0;
+    }
+    joint.drive = Some(drive);
+}
+
+fn driven(bench: &BenchDescription, arm: f64, armature: f64) -> JointDrive {
+    let voltage = bench.find(|t| match *t {
+        Term::VoltageLimit { bus, resistance } if bus.is_finite() => {
+            Some((bench.gain * bus / resistance * arm, bus / bench.gain / arm))
+        }
+        _ => None,
+    });
+    JointDrive {
+        spring: 0.0,
+        armature,
+        friction_at_rest: bench.sum(Term::dry_friction).max(moving_friction(bench)) * arm,
+        delay_s: bench.delay_s(),
+        voltage,
+    }
+}
+
+fn speed_limit(drive: &JointDrive) -> f64 {
+    drive.voltage.map_or(f64::INFINITY, |(_, speed)| speed)
+}
+
+/// Dry friction in motion.
+fn moving_friction(bench: &BenchDescription) -> f64 {
+    bench.sum(|t| match *t {
+        Term::Coulomb { force } | Term::Presliding { force, .. } | Term::DirectedFriction { force, .. } => {
+            Some(force)
+        }
+        Term::Stribeck { coulomb, .. } => Some(coulomb),
+        _ => None,
+    })
+}
+
+/// What becomes of an effect at a joint; `rigid` where the spring is left out.
+fn note(id: &str, term: &Term, reach: Reach, rigid: bool) -> Note {
+    match term {
+        Term::Coulomb { .. } | Term::OutputFriction { .. } => Note::held(id, "friction of the joint"),
+        Term::Stribeck { .. } if reach == Reach::Armature => {
+            Note::near(id, "friction and dynamic_friction, without the speed between them")
+        }
+        Term::Stribeck { .. } => Note::near(id, "friction of the joint: its level in motion"),
+        Term::Presliding { .. } => Note::near(id, "friction of the joint, without the elastic part"),
+        Term::DirectedFriction { .. } => Note::near(id, "friction of the joint: the mean of both directions"),
+        Term::CommandLimit { .. } if reach == Reach::Armature && !rigid => {
+            Note::lost(id, "an effort limit would clip the spring's force, too: clip the command")
+        }
+        Term::CommandLimit { .. } => Note::held(id, "effort limit of the joint"),
+        Term::VoltageLimit { .. } if reach == Reach::Armature => {
+            Note::held(id, "DCMotorCfg, unless there is a delay")
+        }
+        Term::VoltageLimit { .. } => Note::near(id, "velocity limit of the joint: the speed at no load"),
+        Term::Delay { .. } if reach == Reach::Armature => {
+            Note::held(id, "DelayedPDActuatorCfg, in whole steps")
+        }
+        Term::SpringDamping { .. } if !rigid => Note::near(id, "damping of the joint"),
+        Term::Mode { .. } | Term::SensorLag { .. } | Term::SensorDelay { .. } => {
+            Note::lost(id, "sensors are the simulator's own")
+        }
+        _ => Note::lost(id, "the format has no element for it"),
+    }
+}

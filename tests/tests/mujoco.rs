@@ -1,0 +1,280 @@
+//! Exported models run in MuJoCo itself: what a model gains in our simulator it must gain there.
+
+use sealegs_actuator::ActuatorSpec;
+use sealegs_actuator::bench::{Bench, BenchModel, OUTPUTS};
+use sealegs_actuator::effect::OwnEffect;
+use sealegs_actuator::spec::ParameterSpec;
+use sealegs_cli::campaign_model::CampaignModel;
+use sealegs_cli::diagnosis::addition::add;
+use sealegs_cli::mystery::trial::campaign_of;
+use sealegs_export::Format;
+use sealegs_leg::robot::Robot;
+use sealegs_leg::scenario::Scenario;
+use sealegs_model::{Excitation, Model, Record, Signal};
+use sealegs_reference::campaign::{CATALOGUE, Hidden, Individual, Made, Order, Rig, SUBSTEPS, Stamp};
+use sealegs_sysid::fit::{self, FitOptions};
+use sealegs_sysid::{Campaign, Data, Fit, Role};
+use sealegs_tests::mujoco::{BenchJob, Played, job, python, run};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Where a virtual environment may be made.
+fn folder() -> &'static Path {
+    Path::new(env!("CARGO_TARGET_TMPDIR"))
+}
+
+fn made(rig: Rig, seed: u64, hidden: Vec<Hidden>, duration_s: f64) -> Made {
+    Order { name: "made".to_owned(), rig, seed, hidden, duration_s, substeps: SUBSTEPS }.make()
+}
+
+fn everything() -> Excitation {
+    Excitation { measured: OUTPUTS.map(str::to_owned).to_vec(), ..Excitation::default() }
+}
+
+/// A model whose parameters have other nominal values: those that an export takes.
+fn at(model: &BenchModel, values: &[f64]) -> BenchModel {
+    let mut spec: ActuatorSpec = model.spec().clone();
+    for (p, value) in model.parameters().iter().zip(values).filter(|(p, _)| !p.name.contains('.')) {
+        let said = spec.parameters.entry(p.name.clone()).or_default();
+        *said = ParameterSpec {
+            value: Some(*value),
+            min: Some(p.min.min(*value)),
+            max: Some(p.max.max(*value)),
+            ..ParameterSpec::default()
+        };
+    }
+    spec.effects = model.effect_specs(values, &[]);
+    BenchModel::new(spec, model.bench()).unwrap()
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, n) = values.fold((0.0, 0usize), |(sum, n), v| (sum + v * v, n + 1));
+    (sum / n as f64).sqrt()
+}
+
+/// Root mean square difference of two simulators' signals in units of the campaign's noise.
+fn apart(made: &Made, a: &[Signal], b: &[Signal]) -> f64 {
+    let of = |signals: &[Signal], channel: &str| {
+        signals.iter().find(|s| s.channel == channel).unwrap().values.clone()
+    };
+    rms(made.noise_std.iter().flat_map(|(channel, noise)| {
+        let pairs = of(a, channel).into_iter().zip(of(b, channel));
+        pairs.map(move |(a, b)| (a - b) / noise).collect::<Vec<f64>>()
+    }))
+}
+
+/// The seed of an individual whose logger stamps rows at the start: the command is in force from its time stamp on.
+fn plain_seed() -> u64 {
+    (0..).find(|seed| Individual::drawn(*seed).stamp == Stamp::Start).unwrap()
+}
+
+#[test]
+fn reference_every_effect_does_in_mujoco_what_it_does_here() {
+    let Some(python) = python(folder()) else { return };
+    let seed = plain_seed();
+    let (mut jobs, mut ours, mut names): (Vec<BenchJob>, _, Vec<String>) =
+        (Vec::new(), Vec::new(), Vec::new());
+    let own = OwnEffect::from_toml(
+        "id = \"grease\"\nacts-on = \"rotor\"\nlaw = \"c*y_dot^3 + f*tanh(y_dot/v0)*abs(F_bs)/(abs(F_bs) + 10)\"\n\
+         parameters = { c = { guess = 1e6, min = 0.0, max = 1e9 }, f = { guess = 20.0, min = 0.0, max = 1e3 }, v0 = { fixed = 1e-3 } }",
+        "grease.toml",
+    )
+    .unwrap();
+    for rig in [Rig::Locked, Rig::Pendulum] {
+        let plain = made(rig, seed, Vec::new(), 1.5);
+        let channels: Vec<String> = plain.noise_std.iter().map(|n| n.0.to_owned()).collect();
+        // A staircase with noise: it rests, starts and turns round.
+        let record = &plain.runs[1].record;
+        let spec = ActuatorSpec::preset("thor-linear").unwrap();
+        let base = BenchModel::with_own_effects(spec, rig.bench(), vec![Arc::new(own.clone())]).unwrap();
+        let predict = |model: &BenchModel| {
+            let values: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
+            // A fifth of the usual step, so that what is seen is MuJoCo's error.
+            model.clone().with_step(2e-5).predict(&values, record, &channels).unwrap().outputs
+        };
+        let without = predict(&base);
+        let ids = CATALOGUE.iter().copied().chain(["nothing", "sensor-delay@motor_angle_rad", "grease"]);
+        for id in ids.filter(|id| Hidden::applies(id, rig)) {
+            let model = match id {
+                "nothing" => base.clone(),
+                "grease" => base.including(id, &everything()).unwrap(),
+                _ => {
+                    let with = base.including(id, &everything()).unwrap();
+                    let hidden = Hidden::drawn(id, 5, 1.0);
+                    let values: Vec<f64> = (base.parameters().iter().map(|p| p.value))
+                        .chain(hidden.parameters.iter().map(|p| p.1))
+                        .collect();
+                    at(&with, &values)
+                }
+            };
+            jobs.push(job(&model, &[record]));
+            let with = predict(&model);
+            let effect = apart(&plain, &with, &without);
+            ours.push((with, effect, plain.clone()));
+            names.push(format!("{id} on the {} bench", rig.as_str()));
+        }
+    }
+    let (shown, _) = run(&python, jobs, &[]);
+    let mut faults = Vec::new();
+    for ((name, (with, effect, plain)), shown) in names.iter().zip(&ours).zip(&shown) {
+        let error = apart(plain, with, &shown[0]);
+        println!("{name:<50} effect {effect:9.2}   MuJoCo apart {error:8.3} noise units");
+        // A fiftieth of what the effect does, and what the base model itself leaves.
+        if error > 0.02 * effect + 0.2 {
+            faults.push(format!("{name}: effect {effect:.2}, apart {error:.3}"));
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+/// One side of a comparison: the fitted model, and its sensors as the fit runs left them.
+struct Side<'a> {
+    model: BenchModel,
+    fit: &'a Fit,
+}
+
+/// A campaign with the model before and after.
+struct Case {
+    name: String,
+    campaign: Campaign,
+    before: (BenchModel, Fit),
+    after: (BenchModel, Fit),
+}
+
+/// An effect hidden in a campaign, and the model that `sealegs add` writes.
+fn hidden(id: &str, rig: Rig, seed: u64) -> Case {
+    let made = made(rig, seed, vec![Hidden::drawn(id, seed, 1.0)], 3.0);
+    let (campaign, model) = campaign_of(&made).unwrap();
+    let added = add(&campaign, &model, &[id.to_owned()], &|_| ()).unwrap();
+    let better = model.better(&added, &campaign, &[], Path::new(".")).unwrap();
+    let after =
+        BenchModel::new(ActuatorSpec::from_toml(&better, "better.toml").unwrap(), rig.bench()).unwrap();
+    let before = at(&model, &added.before.fit.values);
+    Case {
+        name: format!("{id} on the {} bench", rig.as_str()),
+        campaign,
+        before: (before, added.before.fit),
+        after: (after, added.after.fit),
+    }
+}
+
+/// A base parameter stated wrongly and held, against the same one fitted.
+fn misstated(parameter: &str, ratio: f64, seed: u64) -> Case {
+    let made = made(Rig::Locked, seed, Vec::new(), 3.0);
+    let (campaign, model) = campaign_of(&made).unwrap();
+    let data = Data::new(&campaign, Some(Role::Fit), &model).unwrap();
+    let fitted = |model: &BenchModel| {
+        let fit = fit::choices(model).into_iter().map(|choice| {
+            let start: Vec<f64> = choice.into_iter().collect();
+            fit::fit(&data, model, &FitOptions { start: Some(start), ..FitOptions::of(model) }).unwrap()
+        });
+        fit.min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap()
+    };
+    let mut spec = model.spec().clone();
+    let nominal = model.parameters().iter().find(|p| p.name == parameter).unwrap().value;
+    let wrong = ParameterSpec { value: Some(ratio * nominal), fixed: Some(true), ..ParameterSpec::default() };
+    spec.parameters.insert(parameter.to_owned(), wrong);
+    let wrong = BenchModel::new(spec, Bench::Locked).unwrap();
+    let (before, after) = (fitted(&wrong), fitted(&model));
+    Case {
+        name: format!("{parameter} misstated by {ratio}"),
+        before: (at(&wrong, &before.values), before),
+        after: (at(&model, &after.values), after),
+        campaign,
+    }
+}
+
+#[test]
+fn reference_the_error_falls_in_mujoco_as_it_falls_here() {
+    let Some(python) = python(folder()) else { return };
+    let cases = [
+        hidden("coulomb-friction", Rig::Locked, 3),
+        hidden("stribeck-friction", Rig::Locked, 3),
+        hidden("quadratic-drag", Rig::Locked, 3),
+        misstated("damping", 0.6, 3),
+        misstated("reflected_inertia", 0.8, 3),
+        hidden("transport-delay", Rig::Locked, 3),
+        hidden("current-saturation", Rig::Locked, 3),
+        hidden("backlash", Rig::Locked, 3),
+        hidden("series-compliance", Rig::Locked, 3),
+        hidden("coulomb-friction", Rig::Pendulum, 3),
+        hidden("backlash", Rig::Pendulum, 3),
+    ];
+    let holdout = |case: &Case| -> Vec<Record> {
+        case.campaign.runs_of(Role::Holdout).map(|run| run.record.clone()).collect()
+    };
+    let mut jobs = Vec::new();
+    for case in &cases {
+        let records = holdout(case);
+        let records: Vec<&Record> = records.iter().collect();
+        jobs.push(job(&case.before.0, &records));
+        jobs.push(job(&case.after.0, &records));
+    }
+    let (shown, _) = run(&python, jobs, &[]);
+    let mut faults = Vec::new();
+    println!(
+        "{:<38} {:>21}   {:>21}   falls",
+        "held-out runs, noise units", "sealegs: before after", "MuJoCo: before after"
+    );
+    for (case, shown) in cases.iter().zip(shown.chunks(2)) {
+        let records = holdout(case);
+        let judged = |side: &Side, shown: &[Vec<Signal>]| {
+            let data = Data::new(&case.campaign, Some(Role::Holdout), &side.model).unwrap();
+            let values: Vec<f64> = side.model.parameters().iter().map(|p| p.value).collect();
+            let ours = data.judge(&side.model, &values, side.fit.sensors()).unwrap().rms;
+            let names = records.iter().map(|r| r.name.clone());
+            let played = Played { shown: names.zip(shown.iter().cloned()).collect() };
+            (ours, data.judge(&played, &[], side.fit.sensors()).unwrap().rms)
+        };
+        let before = judged(&Side { model: case.before.0.clone(), fit: &case.before.1 }, &shown[0]);
+        let after = judged(&Side { model: case.after.0.clone(), fit: &case.after.1 }, &shown[1]);
+        let falls = (before.0 - after.0, before.1 - after.1);
+        println!(
+            "{:<38} {:>11.3} {:>9.3}   {:>11.3} {:>9.3}   {:.4}",
+            case.name,
+            before.0,
+            after.0,
+            before.1,
+            after.1,
+            falls.1 / falls.0
+        );
+        // The effect must matter, and our own model must explain most of it, for the fall to say anything.
+        if !(before.0 > 5.0 && after.0 < 0.2 * before.0) {
+            faults.push(format!("{}: {before:?} {after:?}: our own error does not fall", case.name));
+        }
+        if (falls.1 / falls.0 - 1.0).abs() > 0.1 {
+            faults.push(format!("{}: {before:?} {after:?}: falls {falls:?}", case.name));
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn reference_a_leg_loads_weighs_the_same_and_lands() {
+    let Some(python) = python(folder()) else { return };
+    let scenario = Scenario::load("thor-drop", &[]).unwrap();
+    let mjcf = sealegs_export::leg(Format::Mjcf, &scenario, "leg").unwrap();
+    let urdf = sealegs_export::leg(Format::Urdf, &scenario, "leg").unwrap();
+    // Half a second: the fall from 0.1 m takes 0.14 s.
+    let legs = [("leg.xml", mjcf.text.as_str(), 5000), ("leg.urdf", urdf.text.as_str(), 0)];
+    let (_, weighed) = run(&python, Vec::new(), &legs);
+    // Links of the URDF, six sprung masses (Table 5), the carriage.
+    let mass_kg = Robot::load("thor-leg", None).unwrap().mass_kg() + 6.0 * 0.6461 + 20.0;
+    for leg in &weighed {
+        assert!((leg.mass_kg / mass_kg - 1.0).abs() < 1e-9, "{} kg and {mass_kg} kg", leg.mass_kg);
+        assert_eq!(leg.warnings, 0);
+    }
+    // Six joints and the rail; in MJCF the screw and the spring of each of six actuators, too.
+    assert_eq!((weighed[0].dofs, weighed[0].actuators, weighed[1].dofs), (7 + 12, 6, 7));
+    let heights = &weighed[0].heights_m;
+    let fallen = |step: usize| heights[0] - heights[step];
+    // Free fall first, 9.81 t^2 / 2 at 0.1 s; then the ground holds it up.
+    assert!((fallen(1000) - 0.04905).abs() < 5e-4, "{}", fallen(1000));
+    let last = heights.len() - 1;
+    assert!(
+        fallen(last) > 0.1 && fallen(last) < 0.5 && weighed[0].speed < 100.0,
+        "{} {}",
+        fallen(last),
+        weighed[0].speed
+    );
+}
