@@ -36,11 +36,10 @@ pub fn write(robot: &RigidRobot, stem: &str) -> Exported {
          import Path\n\nimport isaaclab.sim as sim_utils\nfrom isaaclab.actuators import DCMotorCfg, DelayedPDActuatorCfg, \
          ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n\n# The physics step for which delays are counted, \
          s.\nPHYSICS_DT_S = {}\n\nROBOT_CFG = ArticulationCfg(\n    spawn=sim_utils.UrdfFileCfg(\n        \
-         asset_path=str(Path(__file__).with_name(\"{urdf_name}\")),\n        fix_base={},\n        joint_drive=sim_utils.UrdfConverterCfg.JointDriveCfg(\n            \
+         asset_path=str(Path(__file__).with_name(\"{urdf_name}\")),\n        fix_base=True,\n        joint_drive=sim_utils.UrdfConverterCfg.JointDriveCfg(\n            \
          target_type=\"none\", gains=sim_utils.UrdfConverterCfg.JointDriveCfg.PDGainsCfg(stiffness=0.0, damping=0.0)\n        ),\n    \
          ),\n    actuators={{\n",
-        num(STEP_S),
-        if robot.fixed_root { "True" } else { "False" }
+        num(STEP_S)
     );
     for joint in &robot.joints {
         if let Some(drive) = &joint.drive {

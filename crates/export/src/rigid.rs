@@ -9,7 +9,7 @@ use crate::leg::LegDescription;
 use crate::term::Term;
 use crate::text::num;
 use crate::{ExportError, Note};
-use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use sealegs_actuator::Kind;
 use sealegs_leg::robot::{Inertial, JointKind, JointLimits, Link};
 
@@ -60,8 +60,8 @@ pub struct RigidRobot {
     pub title: String,
     pub links: Vec<Link>,
     pub joints: Vec<RigidJoint>,
-    /// Whether the root is the world.
-    pub fixed_root: bool,
+    /// `world_from_root`; the root does not move.
+    pub root: Isometry3<f64>,
     pub notes: Vec<Note>,
 }
 
@@ -144,7 +144,7 @@ impl RigidRobot {
             title: bench.name.clone(),
             links: vec![link("frame", 0.0, Point3::origin(), 0.0), child],
             joints: vec![joint],
-            fixed_root: true,
+            root: Isometry3::identity(),
             notes,
         }
     }
@@ -213,16 +213,7 @@ impl RigidRobot {
             notes.push(Note::lost("ground", "the contact's law is the simulator's own"));
         }
         notes.push(Note::lost("start", format!("joints at the start, rad: {:?}", leg.start_q)));
-        let mut fixed_root = true;
-        if !leg.rail {
-            fixed_root = leg.world_from_base
-                == Isometry3::from_parts(Translation3::identity(), leg.world_from_base.rotation);
-            notes.push(Note::lost(
-                "base",
-                format!("fixed at a height of {} m", num(leg.world_from_base.translation.z)),
-            ));
-        }
-        Ok(Self { name: robot.name.clone(), title: leg.name.clone(), links, joints, fixed_root, notes })
+        Ok(Self { name: robot.name.clone(), title: leg.name.clone(), links, joints, root: if leg.rail { Isometry3::identity() } else { leg.world_from_base }, notes })
     }
 }
 
@@ -235,7 +226,7 @@ fn bring(
     joint: &mut RigidJoint,
     links: &mut [Link],
 ) {
-    let mut drive = JointDrive::default();
+    let mut drive = JointDrive { friction_at_rest: joint.friction, ..JointDrive::default() };
     let (mut effort, mut any) = (0.0, false);
     for actuator in &leg.actuators {
         let Some(row) = leg.robot.actuator_index(&actuator.placement.name) else { continue };

@@ -12,16 +12,14 @@ pub fn write(robot: &RigidRobot, _stem: &str) -> Exported {
     out.push_str(&xml_head(&format!("{} as SDF, written by sealegs", robot.title), &robot.notes));
     let o = &mut out;
     let _ = writeln!(o, "<sdf version=\"1.9\">\n  <model name=\"{}\">", escaped(&robot.name));
-    if robot.fixed_root {
-        let _ = writeln!(
-            o,
-            "    <joint name=\"to_world\" type=\"fixed\"><parent>world</parent><child>{}</child></joint>",
-            escaped(&robot.links[0].name)
-        );
-    }
+    let _ = writeln!(
+        o,
+        "    <joint name=\"to_world\" type=\"fixed\"><parent>world</parent><child>{}</child></joint>",
+        escaped(&robot.links[0].name)
+    );
     for (i, link) in robot.links.iter().enumerate() {
         let carrier = robot.joints.iter().find(|j| j.child == i);
-        write_link(o, link, carrier);
+        write_link(o, link, carrier, &robot.root);
     }
     for joint in &robot.joints {
         write_joint(o, robot, joint);
@@ -31,10 +29,15 @@ pub fn write(robot: &RigidRobot, _stem: &str) -> Exported {
 }
 
 /// A link's pose is that of the joint that carries it.
-fn write_link(o: &mut String, link: &Link, carrier: Option<&RigidJoint>) {
+fn write_link(o: &mut String, link: &Link, carrier: Option<&RigidJoint>, root: &Isometry3<f64>) {
     let _ = writeln!(o, "    <link name=\"{}\">", escaped(&link.name));
-    if let Some(joint) = carrier {
-        let _ = writeln!(o, "      <pose relative_to=\"{}\">0 0 0 0 0 0</pose>", escaped(&joint.name));
+    match carrier {
+        Some(joint) => {
+            let _ = writeln!(o, "      <pose relative_to=\"{}\">0 0 0 0 0 0</pose>", escaped(&joint.name));
+        }
+        None => {
+            let _ = writeln!(o, "      <pose>{}</pose>", pose(root));
+        }
     }
     if let Some(i) = &link.inertial {
         let m = &i.inertia;

@@ -177,8 +177,9 @@ pub fn screw_attributes(bench: &BenchDescription) -> String {
 }
 
 fn tendons(o: &mut String, bench: &BenchDescription) {
+    let mut inner = String::new();
     let mut fixed = |name: &str, attributes: String, path: &str| {
-        let _ = write!(o, "    <fixed name=\"{name}\"{attributes}>\n{path}    </fixed>\n");
+        let _ = write!(inner, "    <fixed name=\"{name}\"{attributes}>\n{path}    </fixed>\n");
     };
     let screw = along_screw(bench);
     let mut rest: Vec<(&str, String, String)> = Vec::new();
@@ -209,15 +210,12 @@ fn tendons(o: &mut String, bench: &BenchDescription) {
     for (name, attributes, path) in rest {
         fixed(name, attributes, &path);
     }
-    let text = std::mem::take(o);
-    // All tendons belong into one element.
-    let at = text.find("    <fixed").unwrap_or(text.len());
-    let _ = write!(o, "{}  <tendon>\n{}  </tendon>\n", &text[..at], &text[at..]);
+    let _ = writeln!(o, "  <tendon>\n{inner}  </tendon>");
 }
 
 /// A spring that yields at a force: an elastic element in series with a dry slider.
 pub fn yielding(stiffness: f64, force: f64) -> String {
-    format!(" stiffness=\"{}\" springyield=\"{}\"", num(stiffness), num(force / stiffness))
+    format!(" stiffness=\"{}\" springlength=\"0\" springyield=\"{}\"", num(stiffness), num(force / stiffness))
 }
 
 fn drive(o: &mut String, bench: &BenchDescription) {

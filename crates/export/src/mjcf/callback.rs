@@ -16,7 +16,7 @@ import numpy
 
 
 def sign(x):
-    return (x > 0) - (x < 0)
+    return int(x > 0) - int(x < 0)
 
 
 def square(x):
