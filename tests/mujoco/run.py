@@ -2,8 +2,8 @@
 
     python run.py JOB.json OUT.json
 
-JOB.json has `benches`: a list of {xml, python, runs}, each run {control, per_row}: the command of every step, and how many steps
-there are from one row to the next. OUT.json has, for each bench and run, the channels by name, one value a row. JOB.json may have
+JOB.json has `benches`: a list of {xml, python, runs}, each run {control, step_s, per_row}: the command of
+every step (MuJoCo may take several in one), and how many steps there are from one row to the next. OUT.json has, for each bench and run, the channels by name, one value a row. JOB.json may have
 `legs`: a list of {file, steps}, files of MJCF or URDF; OUT.json then has for each its mass in kg, its number of degrees of
 freedom and actuators, and the height of its first moving body and the greatest joint speed after so many steps from the key 'start'.
 """
@@ -33,13 +33,16 @@ def bench_run(item, run):
     dense = bool(bench.stages)
     show = bench.sense if dense else bench.channels
     rows = [show(data)]
+    finer = round(run["step_s"] / model.opt.timestep)
     for step, control in enumerate(run["control"], 1):
         data.ctrl[0] = control
-        mujoco.mj_step(model, data)
-        at_row = step % run["per_row"] == 0
-        if dense or at_row:
-            shown = show(data)
-        if at_row:
+        for _ in range(finer):
+            mujoco.mj_step(model, data)
+            if dense:
+                shown = show(data)
+        if step % run["per_row"] == 0:
+            if not dense:
+                shown = show(data)
             rows.append(shown)
     if data.warning.number.sum() > 0:
         raise RuntimeError(f"{item['xml']}: MuJoCo warns {data.warning.number}")

@@ -56,8 +56,8 @@ pub fn python(folder: &Path) -> Option<PathBuf> {
 pub struct BenchJob {
     /// What was exported as MJCF.
     pub exported: Exported,
-    /// For each run the control of every step and the steps from one row to the next.
-    pub runs: Vec<(Vec<f64>, usize)>,
+    /// For each run the control of every step, the step in s, and the steps from one row to the next.
+    pub runs: Vec<(Vec<f64>, f64, usize)>,
 }
 
 /// What MuJoCo says of a leg.
@@ -95,6 +95,7 @@ struct BenchFiles {
 #[derive(Serialize)]
 struct RunOf {
     control: Vec<f64>,
+    step_s: f64,
     per_row: usize,
 }
 
@@ -128,7 +129,8 @@ pub fn run(python: &Path, benches: Vec<BenchJob>, legs: &[(&str, &str, usize)]) 
         let (xml, beside) = (at(format!("bench_{i}.xml")), at(format!("bench_{i}.py")));
         write(&xml, &bench.exported.text);
         write(&beside, &bench.exported.beside[0].1);
-        let runs = bench.runs.into_iter().map(|(control, per_row)| RunOf { control, per_row }).collect();
+        let of = |(control, step_s, per_row)| RunOf { control, step_s, per_row };
+        let runs = bench.runs.into_iter().map(of).collect();
         job.benches.push(BenchFiles { xml, python: beside, runs });
     }
     for (name, text, steps) in legs {
@@ -165,7 +167,7 @@ pub fn job(model: &BenchModel, records: &[&Record]) -> BenchJob {
         let late = (skew - if lead { 1.0 } else { 0.0 }) * period;
         let times: Vec<f64> = record.time_s.iter().map(|t| t + late).collect();
         let control = mean_per_step(&times, &record.inputs[0].values, record.hold, &[], &grid);
-        (control, (period / grid.step_s).round() as usize)
+        (control, grid.step_s, (period / grid.step_s).round() as usize)
     };
     let input = &records[0].inputs[0].channel;
     let exported = sealegs_export::bench(Format::Mjcf, model, input, "bench").expect("a bench");

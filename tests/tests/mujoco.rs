@@ -1,7 +1,7 @@
 //! Exported models run in MuJoCo itself: what a model gains in our simulator it must gain there.
 
 use sealegs_actuator::ActuatorSpec;
-use sealegs_actuator::bench::{Bench, BenchModel, OUTPUTS};
+use sealegs_actuator::bench::{BenchModel, OUTPUTS};
 use sealegs_actuator::effect::OwnEffect;
 use sealegs_actuator::spec::ParameterSpec;
 use sealegs_cli::campaign_model::CampaignModel;
@@ -15,6 +15,7 @@ use sealegs_reference::campaign::{CATALOGUE, Hidden, Individual, Made, Order, Ri
 use sealegs_sysid::fit::{self, FitOptions};
 use sealegs_sysid::{Campaign, Data, Fit, Role};
 use sealegs_tests::mujoco::{BenchJob, Played, job, python, run};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -68,6 +69,18 @@ fn plain_seed() -> u64 {
     (0..).find(|seed| Individual::drawn(*seed).stamp == Stamp::Start).unwrap()
 }
 
+/// How strong an effect is made, in practice campaigns' usual ones, so that this command shows it.
+fn strength(id: &str) -> f64 {
+    match id.split('@').next().unwrap_or(id) {
+        "structural-mode" => 12.0,
+        // A softer one than a stiffness that is fitted takes up.
+        "series-compliance" => 8.0,
+        "current-saturation" | "voltage-saturation" | "sensor-lag" => 4.0,
+        "hardening-spring" => 2.0,
+        _ => 1.0,
+    }
+}
+
 #[test]
 fn reference_every_effect_does_in_mujoco_what_it_does_here() {
     let Some(python) = python(folder()) else { return };
@@ -100,7 +113,7 @@ fn reference_every_effect_does_in_mujoco_what_it_does_here() {
                 "grease" => base.including(id, &everything()).unwrap(),
                 _ => {
                     let with = base.including(id, &everything()).unwrap();
-                    let hidden = Hidden::drawn(id, 5, 1.0);
+                    let hidden = Hidden::drawn(id, 5, strength(id));
                     let values: Vec<f64> = (base.parameters().iter().map(|p| p.value))
                         .chain(hidden.parameters.iter().map(|p| p.1))
                         .collect();
@@ -116,14 +129,29 @@ fn reference_every_effect_does_in_mujoco_what_it_does_here() {
     }
     let (shown, _) = run(&python, jobs, &[]);
     let mut faults = Vec::new();
+    let mut greatest: BTreeMap<String, f64> = BTreeMap::new();
     for ((name, (with, effect, plain)), shown) in names.iter().zip(&ours).zip(&shown) {
         let error = apart(plain, with, &shown[0]);
         println!("{name:<50} effect {effect:9.2}   MuJoCo apart {error:8.3} noise units");
-        // A fiftieth of what the effect does, and what the base model itself leaves.
-        if error > 0.02 * effect + 0.2 {
+        // A yielding spring is 2 % off, see its step; dry friction, a soft constraint in MuJoCo, 0.3 %; the rest nothing.
+        let most = if name.starts_with("presliding") || name.starts_with("spring-hysteresis") {
+            0.03
+        } else {
+            0.005
+        };
+        if error > most * effect + 0.02 {
             faults.push(format!("{name}: effect {effect:.2}, apart {error:.3}"));
         }
+        let id = name.split(' ').next().unwrap_or_default();
+        if id != "nothing" {
+            let greatest = greatest.entry(id.to_owned()).or_insert(0.0f64);
+            *greatest = greatest.max(*effect);
+        }
     }
+    // Beside an effect that nobody sees nothing would be shown.
+    faults.extend(
+        greatest.iter().filter(|(_, e)| **e < 3.0).map(|(id, e)| format!("{id} is not seen: {e:.2}")),
+    );
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
@@ -143,7 +171,7 @@ struct Case {
 
 /// An effect hidden in a campaign, and the model that `sealegs add` writes.
 fn hidden(id: &str, rig: Rig, seed: u64) -> Case {
-    let made = made(rig, seed, vec![Hidden::drawn(id, seed, 1.0)], 3.0);
+    let made = made(rig, seed, vec![Hidden::drawn(id, seed, strength(id))], 3.0);
     let (campaign, model) = campaign_of(&made).unwrap();
     let added = add(&campaign, &model, &[id.to_owned()], &|_| ()).unwrap();
     let better = model.better(&added, &campaign, &[], Path::new(".")).unwrap();
@@ -158,27 +186,22 @@ fn hidden(id: &str, rig: Rig, seed: u64) -> Case {
     }
 }
 
-/// A base parameter stated wrongly and held, against the same one fitted.
+/// A fitted base model, and the same with one of its parameters misstated; nothing else takes that up.
 fn misstated(parameter: &str, ratio: f64, seed: u64) -> Case {
     let made = made(Rig::Locked, seed, Vec::new(), 3.0);
     let (campaign, model) = campaign_of(&made).unwrap();
     let data = Data::new(&campaign, Some(Role::Fit), &model).unwrap();
-    let fitted = |model: &BenchModel| {
-        let fit = fit::choices(model).into_iter().map(|choice| {
-            let start: Vec<f64> = choice.into_iter().collect();
-            fit::fit(&data, model, &FitOptions { start: Some(start), ..FitOptions::of(model) }).unwrap()
-        });
-        fit.min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap()
+    let fitted = |start: Vec<f64>, held: Vec<String>| {
+        fit::fit(&data, &model, &FitOptions { start: Some(start), held, ..FitOptions::of(&model) }).unwrap()
     };
-    let mut spec = model.spec().clone();
-    let nominal = model.parameters().iter().find(|p| p.name == parameter).unwrap().value;
-    let wrong = ParameterSpec { value: Some(ratio * nominal), fixed: Some(true), ..ParameterSpec::default() };
-    spec.parameters.insert(parameter.to_owned(), wrong);
-    let wrong = BenchModel::new(spec, Bench::Locked).unwrap();
-    let (before, after) = (fitted(&wrong), fitted(&model));
+    let choices = fit::choices(&model).into_iter().map(|choice| fitted(choice, Vec::new()));
+    let after = choices.min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap();
+    let mut wrong = after.values.clone();
+    wrong[model.parameters().iter().position(|p| p.name == parameter).unwrap()] *= ratio;
+    let before = fitted(wrong, model.parameters().iter().map(|p| p.name.clone()).collect());
     Case {
         name: format!("{parameter} misstated by {ratio}"),
-        before: (at(&wrong, &before.values), before),
+        before: (at(&model, &before.values), before),
         after: (at(&model, &after.values), after),
         campaign,
     }

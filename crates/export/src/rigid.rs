@@ -213,7 +213,14 @@ impl RigidRobot {
             notes.push(Note::lost("ground", "the contact's law is the simulator's own"));
         }
         notes.push(Note::lost("start", format!("joints at the start, rad: {:?}", leg.start_q)));
-        Ok(Self { name: robot.name.clone(), title: leg.name.clone(), links, joints, root: if leg.rail { Isometry3::identity() } else { leg.world_from_base }, notes })
+        Ok(Self {
+            name: robot.name.clone(),
+            title: leg.name.clone(),
+            links,
+            joints,
+            root: if leg.rail { Isometry3::identity() } else { leg.world_from_base },
+            notes,
+        })
     }
 }
 

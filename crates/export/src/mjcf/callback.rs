@@ -1,6 +1,7 @@
 //! The Python beside a bench for MuJoCo: read-outs of its sensors, and callbacks for what MuJoCo has no element for.
 
-use super::law::{beside_deflection, drive_limits, evaluated, friction_bound, own};
+use super::bench::beside_screw;
+use super::law::{drive_limits, evaluated, friction_bound, own};
 use crate::Note;
 use crate::bench::{BenchDescription, Output};
 use crate::term::Term;
@@ -49,8 +50,7 @@ fn opening(out: &mut String, bench: &BenchDescription) {
     let _ = write!(
         out,
         "    def __init__(self, model):\n        self.model = model\n        self.signature = model.signature\n        \
-         self.screw = model.tendon(\"screw\").id\n        self.delta = model.joint(\"deflection\").qposadr[0]\n        \
-         self.rate = model.joint(\"deflection\").dofadr[0]\n"
+         self.deflection = model.tendon(\"deflection\").id\n"
     );
     for joint in joints(bench) {
         let _ = writeln!(
@@ -73,9 +73,8 @@ fn opening(out: &mut String, bench: &BenchDescription) {
     }
 }
 
-/// The joints beside the deflection.
 fn joints(bench: &BenchDescription) -> Vec<&'static str> {
-    let mut joints = Vec::new();
+    let mut joints = vec!["screw"];
     if bench.series().is_some() {
         joints.push("screw_end");
     }
@@ -107,9 +106,9 @@ fn has_passive(bench: &BenchDescription) -> bool {
 fn forces(out: &mut String, bench: &BenchDescription) {
     out.push_str(
         "\n    def extension(self, data):\n        \"\"\"Extension y and speed of the screw.\"\"\"\n        return \
-         data.ten_length[self.screw], data.ten_velocity[self.screw]\n\n    def spring_force(self, data):\n        \"\"\"Force \
-         of the spring on link 1, positive in compression.\"\"\"\n        delta, delta_dot = data.qpos[self.delta], \
-         data.qvel[self.rate]\n",
+         data.qpos[self.screw], data.qvel[self.screw_rate]\n\n    def spring_force(self, data):\n        \"\"\"Force of the \
+         spring on link 1, positive in compression.\"\"\"\n        delta, delta_dot = data.ten_length[self.deflection], \
+         data.ten_velocity[self.deflection]\n",
     );
     let gap = bench.sum(|t| if let Term::Backlash { gap } = t { Some(*gap) } else { None });
     if gap > 0.0 {
@@ -134,10 +133,16 @@ fn forces(out: &mut String, bench: &BenchDescription) {
         out.push_str("        force += self._beside_spring(left, delta_dot)\n");
     }
     out.push_str("        return force\n");
+    let acceleration = match beside_screw(bench) {
+        Some((joint, coef)) => {
+            format!("data.qacc[self.screw_rate] + {} * data.qacc[self.{joint}_rate]", num(coef))
+        }
+        None => "data.qacc[self.screw_rate]".to_owned(),
+    };
     let _ = write!(
         out,
         "\n    def screw_force(self, data):\n        \"\"\"Force in the screw, positive in compression, with the latest \
-         acceleration.\"\"\"\n        return self.spring_force(data) + {} * data.qacc[self.rate]\n",
+         acceleration.\"\"\"\n        return self.spring_force(data) + {} * ({acceleration})\n",
         num(bench.sprung_mass)
     );
 }
@@ -161,8 +166,10 @@ fn channels(out: &mut String, bench: &BenchDescription) {
             "force_2_n" => force_2,
             "motor_angle_rad" => format!("y / {}", num(bench.travel_per_rad)),
             "joint_angle_rad" => "data.qpos[self.lever]".to_owned(),
-            "spring_torque_nm" => format!("{} * data.qpos[self.delta]", num(bench.nominal_stiffness)),
-            _ => "data.qpos[self.delta]".to_owned(),
+            "spring_torque_nm" => {
+                format!("{} * data.ten_length[self.deflection]", num(bench.nominal_stiffness))
+            }
+            _ => "data.ten_length[self.deflection]".to_owned(),
         };
         let _ = writeln!(out, "            \"{channel}\": {value},");
     }
@@ -193,10 +200,10 @@ fn callbacks(out: &mut String, bench: &BenchDescription) {
             // Below this speed it is at rest: a constraint that holds creeps a hundred times slower.
             let _ = writeln!(
                 out,
-                "        speed = data.ten_velocity[self.screw]\n        pushed = data.actuator_force[0] - \
+                "        speed = data.qvel[self.screw_rate]\n        pushed = data.actuator_force[0] - \
                  self.spring_force(data)\n        direction = sign(speed if abs(speed) > 1e-8 else pushed)  # noqa: \
                  F841\n        load = lambda: self.screw_force(data)  # noqa: E731, F841\n        \
-                 model.tendon_frictionloss[self.screw] = {bound}"
+                 model.dof_frictionloss[self.screw_rate] = {bound}"
             );
         }
     }
@@ -249,18 +256,19 @@ fn passive(out: &mut String, bench: &BenchDescription) {
             num(bench.offset_force)
         );
     }
-    out.push_str("        data.qfrc_passive[self.rate] += on_screw\n");
-    if let Some((joint, coef)) = beside_deflection(bench) {
-        let _ = writeln!(out, "        data.qfrc_passive[self.{joint}_rate] += {} * on_screw", num(coef));
-    }
+    out.push_str("        data.qfrc_passive[self.screw_rate] += on_screw\n");
     if own(bench, "spring").next().is_some() {
         let gap = bench.sum(|t| if let Term::Backlash { gap } = t { Some(*gap) } else { None });
         let half = num(0.5 * gap);
         let _ = writeln!(
             out,
-            "        delta, delta_dot = data.qpos[self.delta], data.qvel[self.rate]\n        left = delta - min(max(delta, \
-             -{half}), {half})\n        data.qfrc_passive[self.rate] -= self._beside_spring(left, delta_dot)"
+            "        delta, delta_dot = data.ten_length[self.deflection], data.ten_velocity[self.deflection]\n        left = \
+             delta - min(max(delta, -{half}), {half})\n        beside = self._beside_spring(left, delta_dot)\n        \
+             data.qfrc_passive[self.screw_rate] -= beside"
         );
+        if let Some((joint, coef)) = beside_screw(bench) {
+            let _ = writeln!(out, "        data.qfrc_passive[self.{joint}_rate] -= {} * beside", num(coef));
+        }
     }
     let Output::Pendulum { arm_m, .. } = bench.output else { return };
     for law in own(bench, "output") {

@@ -1,6 +1,6 @@
 //! Laws as lines of Python: what a callback adds to MuJoCo's own forces.
 
-use crate::bench::{BenchDescription, Output};
+use crate::bench::BenchDescription;
 use crate::term::{OwnLaw, Term};
 use crate::text::num;
 use std::fmt::Write;
@@ -78,13 +78,4 @@ pub fn drive_limits(bench: &BenchDescription) -> String {
         }
     }
     text
-}
-
-/// The joint whose speed the screw's has beside the deflection's, and what of it.
-pub fn beside_deflection(bench: &BenchDescription) -> Option<(&'static str, f64)> {
-    match (bench.series(), bench.output) {
-        (Some(_), _) => Some(("screw_end", 1.0)),
-        (None, Output::Pendulum { arm_m, .. }) => Some(("lever", arm_m)),
-        (None, Output::Held) => None,
-    }
 }

@@ -116,7 +116,7 @@ fn body(o: &mut String, leg: &LegDescription, link: usize, depth: usize, start: 
                     let _ = write!(more, " damping=\"{}\"", num(j.damping));
                 }
                 if j.friction > 0.0 {
-                    let _ = write!(more, " frictionloss=\"{}\" {}", num(j.friction), holding());
+                    let _ = write!(more, " frictionloss=\"{}\" {}", num(j.friction), holding(STEP_S));
                 }
                 let _ = writeln!(
                     o,
@@ -208,7 +208,7 @@ impl Parts {
         }
         let (travel, tie) = self.length(leg, actuator, &name)?;
         let (screw, deflection) = (format!("{name}_screw"), format!("{name}_deflection"));
-        self.coordinate(&screw, &screw_attributes(bench));
+        self.coordinate(&screw, &screw_attributes(bench, STEP_S));
         self.coordinate(&deflection, &spring);
         self.start.extend([travel, 0.0]);
         let mut along = vec![(screw.as_str(), 1.0), (deflection.as_str(), -1.0)];
@@ -250,15 +250,10 @@ impl Parts {
         let _ = writeln!(
             self.motors,
             "    <general name=\"{name}\" joint=\"{screw}\"{}/>",
-            drive_attributes(bench, Some(limit).filter(|l| l.is_finite()))
+            drive_attributes(bench, Some(limit).filter(|l| l.is_finite()), STEP_S)
         );
         for (_, term) in bench.terms() {
-            self.motors.push_str(&cogging(
-                bench,
-                term,
-                &format!("{name}_cogging"),
-                &format!("joint=\"{screw}\""),
-            ));
+            self.motors.push_str(&cogging(bench, term, &format!("{name}_cogging"), &screw));
         }
         self.notes
             .extend(bench.terms().map(|(id, term)| note(&format!("{}/{id}", placement.name), term, bench)));

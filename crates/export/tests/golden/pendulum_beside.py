@@ -1,11 +1,11 @@
 """small on the pendulum bench for MuJoCo 4: what my-pendulum.xml has no element for
 
-held         rotor: armature and damping of the tendon 'screw', whose length is the screw's extension
+held         rotor: armature and damping of the joint 'screw', whose position is the screw's extension
 held         command: actuator 'motor', in the unit of current_a
 callback     load cells: my_pendulum.py: Bench(model).channels(data) gives the bench's channels
-callback     stribeck-friction: my_pendulum.py: sets the frictionloss of the tendon 'screw' at every step
+callback     stribeck-friction: my_pendulum.py: sets the frictionloss of the joint 'screw' at every step
 callback     voltage-saturation: my_pendulum.py: takes from the motor's force what the voltage does not give
-held         backlash: springlength of the tendon 'spring' as a range, within which it has no force
+held         backlash: springlength of the tendon 'deflection' as a range, within which it has no force
 held         series-compliance: body 'screw_end' between screw and output, on its own spring
 callback     sensor-lag@force_1_n: my_pendulum.py: Bench(model).sense(data) passes the channels through it, step by step
 
@@ -27,7 +27,7 @@ import numpy
 
 
 def sign(x):
-    return (x > 0) - (x < 0)
+    return int(x > 0) - int(x < 0)
 
 
 def square(x):
@@ -103,9 +103,9 @@ class Bench:
     def __init__(self, model):
         self.model = model
         self.signature = model.signature
-        self.screw = model.tendon("screw").id
-        self.delta = model.joint("deflection").qposadr[0]
-        self.rate = model.joint("deflection").dofadr[0]
+        self.deflection = model.tendon("deflection").id
+        self.screw = model.joint("screw").qposadr[0]
+        self.screw_rate = model.joint("screw").dofadr[0]
         self.screw_end = model.joint("screw_end").qposadr[0]
         self.screw_end_rate = model.joint("screw_end").dofadr[0]
         self.lever = model.joint("lever").qposadr[0]
@@ -117,18 +117,18 @@ class Bench:
 
     def extension(self, data):
         """Extension y and speed of the screw."""
-        return data.ten_length[self.screw], data.ten_velocity[self.screw]
+        return data.qpos[self.screw], data.qvel[self.screw_rate]
 
     def spring_force(self, data):
         """Force of the spring on link 1, positive in compression."""
-        delta, delta_dot = data.qpos[self.delta], data.qvel[self.rate]
+        delta, delta_dot = data.ten_length[self.deflection], data.ten_velocity[self.deflection]
         left = delta - min(max(delta, -2e-5), 2e-5)
         force = 5e5 * left
         return force
 
     def screw_force(self, data):
         """Force in the screw, positive in compression, with the latest acceleration."""
-        return self.spring_force(data) + 0.5 * data.qacc[self.rate]
+        return self.spring_force(data) + 0.5 * (data.qacc[self.screw_rate] + -1 * data.qacc[self.screw_end_rate])
 
     def channels(self, data):
         """The bench's channels at this instant, before its sensors, as a campaign calls them."""
@@ -138,7 +138,7 @@ class Bench:
             "force_1_n": self.spring_force(data),
             "force_2_n": 1e7 * (data.qpos[self.screw_end] - 0.1 * data.qpos[self.lever]),
             "motor_angle_rad": y / 0.001,
-            "spring_deflection_m": data.qpos[self.delta],
+            "spring_deflection_m": data.ten_length[self.deflection],
             "joint_angle_rad": data.qpos[self.lever],
         }
 
@@ -152,11 +152,11 @@ class Bench:
     def _control(self, model, data):
         if model.signature != self.signature:
             return
-        speed = data.ten_velocity[self.screw]
+        speed = data.qvel[self.screw_rate]
         pushed = data.actuator_force[0] - self.spring_force(data)
         direction = sign(speed if abs(speed) > 1e-8 else pushed)  # noqa: F841
         load = lambda: self.screw_force(data)  # noqa: E731, F841
-        model.tendon_frictionloss[self.screw] = max(0.0, 20 + 20 * exp(-(speed / 0.004) ** 2))
+        model.dof_frictionloss[self.screw_rate] = max(0.0, 20 + 20 * exp(-(speed / 0.004) ** 2))
 
     def _passive(self, model, data):
         if model.signature != self.signature:
@@ -169,5 +169,4 @@ class Bench:
         low, high = (200 * (volts - 200 * y_dot) / 2 for volts in (-24, 24))
         force = min(max(force, low), high)
         on_screw += force - commanded
-        data.qfrc_passive[self.rate] += on_screw
-        data.qfrc_passive[self.screw_end_rate] += 1 * on_screw
+        data.qfrc_passive[self.screw_rate] += on_screw
