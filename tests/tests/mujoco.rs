@@ -74,7 +74,7 @@ fn strength(id: &str) -> f64 {
     match id.split('@').next().unwrap_or(id) {
         "structural-mode" => 12.0,
         // A softer one than a stiffness that is fitted takes up.
-        "series-compliance" => 8.0,
+        "series-compliance" => 30.0,
         "current-saturation" | "voltage-saturation" | "sensor-lag" => 4.0,
         "hardening-spring" => 2.0,
         _ => 1.0,
