@@ -10,6 +10,7 @@
 mod bench;
 mod error;
 mod isaaclab;
+mod joint_note;
 mod leg;
 mod mjcf;
 mod note;

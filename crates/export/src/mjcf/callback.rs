@@ -2,6 +2,7 @@
 
 use super::bench::beside_screw;
 use super::law::{drive_limits, evaluated, friction_bound, own};
+use super::stages;
 use crate::Note;
 use crate::bench::{BenchDescription, Output};
 use crate::term::Term;
@@ -37,7 +38,7 @@ pub fn python(bench: &BenchDescription, stem: &str, notes: &[Note]) -> String {
          data.ctrl[0] = 1.0  # {}\n    mujoco.mj_step(model, data)\n    bench.channels(data)\n\"\"\"\n\n{PRELUDE}\n",
         bench.input
     );
-    sensors(&mut out, bench);
+    stages::write(&mut out, bench);
     out.push_str("\nclass Bench:\n    \"\"\"The bench's sensors, and its callbacks.\"\"\"\n\n");
     opening(&mut out, bench);
     forces(&mut out, bench);
@@ -281,36 +282,4 @@ fn passive(out: &mut String, bench: &BenchDescription) {
         out.push_str(&evaluated(law, "law", 8));
         out.push_str("        data.qfrc_passive[self.lever_rate] -= law\n");
     }
-}
-
-/// The sensors' stages, in their order, as classes that are stepped.
-fn sensors(out: &mut String, bench: &BenchDescription) {
-    let mut list = String::new();
-    for (_, term) in bench.terms() {
-        for channel in &bench.channels {
-            let is_force = channel.ends_with("_n") || channel.ends_with("_nm");
-            let (stage, concerns) = match term {
-                Term::Mode { frequency_hz, ratio, participation } => (
-                    format!("Mode({}, {}, {})", num(*frequency_hz), num(*ratio), num(*participation)),
-                    is_force,
-                ),
-                Term::SensorLag { channel: at, cutoff_hz } => {
-                    (format!("Lag({})", num(*cutoff_hz)), at.as_ref().map_or(is_force, |c| c == channel))
-                }
-                Term::SensorDelay { channel: at, delay_s } => {
-                    (format!("Late({})", num(*delay_s)), at.as_ref().is_none_or(|c| c == channel))
-                }
-                _ => continue,
-            };
-            if concerns {
-                let _ = writeln!(list, "        (\"{channel}\", {stage}),");
-            }
-        }
-    }
-    if list.is_empty() {
-        out.push_str("\ndef stages():\n    return []\n\n");
-        return;
-    }
-    out.push_str(include_str!("stages.py"));
-    let _ = write!(out, "\n\ndef stages():\n    return [\n{list}    ]\n\n");
 }

@@ -1,9 +1,12 @@
 //! Files for MuJoCo, as its version 4.0 reads them, with Python beside them for what it has no element for.
 
 pub mod bench;
+mod bench_notes;
 mod callback;
 mod law;
 pub mod leg;
+mod leg_actuator;
+mod stages;
 
 /// The longest step in the files, s: that of the project's own bench.
 const STEP_S: f64 = 1e-4;
