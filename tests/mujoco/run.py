@@ -5,7 +5,8 @@
 JOB.json has `benches`: a list of {xml, python, runs}, each run {control, step_s, per_row}: the command of
 every step (MuJoCo may take several in one), and how many steps there are from one row to the next. OUT.json has, for each bench and run, the channels by name, one value a row. JOB.json may have
 `legs`: a list of {file, steps}, files of MJCF or URDF; OUT.json then has for each its mass in kg, its number of degrees of
-freedom and actuators, and the height of its first moving body and the greatest joint speed after so many steps from the key 'start'.
+freedom and actuators, the height of its first
+body at every one of so many steps from the key 'start', the greatest joint speed, and the joints' positions at the end.
 """
 
 import importlib.util
@@ -62,7 +63,8 @@ def weighed(item):
         mujoco.mj_step(model, data)
         heights.append(float(data.xpos[1, 2]))
         speed = max(speed, float(np.abs(data.qvel).max()))
-    return {"mass_kg": float(model.body_mass.sum()), "dofs": model.nv, "actuators": model.nu, "heights_m": heights, "speed": speed,
+    joints = {model.joint(i).name: float(data.qpos[model.joint(i).qposadr[0]]) for i in range(model.njnt)}
+    return {"joints": joints, "mass_kg": float(model.body_mass.sum()), "dofs": model.nv, "actuators": model.nu, "heights_m": heights, "speed": speed,
             "time_s": float(data.time), "warnings": int(data.warning.number.sum())}
 
 

@@ -71,6 +71,8 @@ pub struct Weighed {
     pub actuators: usize,
     /// Height of the first body at every step, m.
     pub heights_m: Vec<f64>,
+    /// Positions of the joints at the end, rad or m.
+    pub joints: BTreeMap<String, f64>,
     /// Greatest joint speed.
     pub speed: f64,
     /// Time reached, s.

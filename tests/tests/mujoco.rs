@@ -301,3 +301,61 @@ fn reference_a_leg_loads_weighs_the_same_and_lands() {
         weighed[0].speed
     );
 }
+
+#[test]
+fn reference_a_leg_without_current_sinks_in_mujoco_as_it_sinks_here() {
+    let Some(python) = python(folder()) else { return };
+    let free =
+        ["controller.kind=\"free\"", "start.springs=\"unloaded\"", "duration_s=0.5"].map(str::to_owned);
+    let scenario = Scenario::load("thor-swing", &free).unwrap();
+    let (ours, _) = sealegs_leg::channels(&scenario, Robot::load("thor-leg", None).unwrap()).unwrap();
+    let mjcf = sealegs_export::leg(Format::Mjcf, &scenario, "leg").unwrap();
+    let (_, shown) = run(&python, Vec::new(), &[("leg.xml", mjcf.text.as_str(), 5000)]);
+    let (mut moved, mut apart) = (0.0f64, 0.0f64);
+    for (joint, theirs) in &shown[0].joints {
+        let Some(angle) = ours.get(&format!("{joint}.angle_rad")) else { continue };
+        let (start, end) = (angle[0], angle[angle.len() - 1]);
+        println!("{joint:<12} from {start:7.4} to {end:7.4} rad, in MuJoCo to {theirs:7.4}");
+        moved = moved.max((end - start).abs());
+        apart = apart.max((end - theirs).abs());
+    }
+    // Weight against rotors, springs and linkages. The linkages' polynomials are 1 % off in their arms.
+    assert!(moved > 0.05 && apart < 0.02 * moved, "moved by {moved} rad, apart by {apart}");
+}
+
+#[test]
+fn reference_an_isaac_lab_module_is_python_with_fields_that_its_classes_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("mujoco/isaaclab.py");
+    let read = |exported: &sealegs_export::Exported| -> Option<serde_json::Value> {
+        let file = folder.path().join("robot.py");
+        std::fs::write(&file, &exported.text).unwrap();
+        let done = std::process::Command::new("python3").arg(&script).arg(&file).output().ok()?;
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        Some(serde_json::from_slice(&done.stdout).unwrap())
+    };
+    let scenario = Scenario::load("thor-drop", &[]).unwrap();
+    let Some(leg) = read(&sealegs_export::leg(Format::IsaacLab, &scenario, "leg").unwrap()) else { return };
+    let knee = &leg["knee"];
+    assert_eq!((leg.as_object().unwrap().len(), &knee["class"]), (6, &"ImplicitActuatorCfg".into()));
+    // 294.9 kg and 11658 N s/m at the linkage's arm of some 0.056 m.
+    let (armature, damping) =
+        (knee["armature"].as_f64().unwrap(), knee["viscous_friction"].as_f64().unwrap());
+    assert!(
+        (damping / armature - 11658.0 / 294.9).abs() < 1e-3 && (armature / 0.925 - 1.0).abs() < 0.1,
+        "{knee}"
+    );
+    let spec = ActuatorSpec::preset("thor-linear").unwrap();
+    let base = BenchModel::new(spec, Rig::Pendulum.bench()).unwrap();
+    for (id, class) in [("transport-delay", "DelayedPDActuatorCfg"), ("voltage-saturation", "DCMotorCfg")] {
+        let with = base.including(id, &everything()).unwrap();
+        let hidden = Hidden::drawn(id, 5, strength(id));
+        let values: Vec<f64> = (base.parameters().iter().map(|p| p.value))
+            .chain(hidden.parameters.iter().map(|p| p.1))
+            .collect();
+        let bench =
+            sealegs_export::bench(Format::IsaacLab, &at(&with, &values), "current_a", "bench").unwrap();
+        let groups = read(&bench).unwrap();
+        assert_eq!(groups["lever"]["class"], class, "{groups}");
+    }
+}

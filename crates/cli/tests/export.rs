@@ -29,11 +29,17 @@ fn a_bench_and_a_leg_are_written_with_what_they_lack() {
     let text = sealegs_actuator::ActuatorSpec::preset_text("thor-linear").unwrap();
     let effect = "\n[[effect]]\nid = \"stribeck-friction\"\nparameters = { coulomb_n = 20.0, static_n = 40.0, stribeck_velocity_m_s = 0.004 }\n";
     std::fs::write(&better, format!("{text}{effect}")).unwrap();
-    let (status, out, error) =
-        export(folder.path(), &["HERE/better.toml", "--to", "mjcf", "--bench", "pendulum", "-o", "HERE/bench.xml"]);
+    let (status, out, error) = export(
+        folder.path(),
+        &["HERE/better.toml", "--to", "mjcf", "--bench", "pendulum", "-o", "HERE/bench.xml"],
+    );
     assert_eq!(status, Some(0), "{error}");
-    assert!(out.contains("bench.xml") && out.contains("bench.py") && out.contains("stribeck-friction"), "{out}");
-    let (status, out, error) = export(folder.path(), &["thor-drop", "--to", "isaaclab", "-o", "HERE/my-leg.py"]);
+    assert!(
+        out.contains("bench.xml") && out.contains("bench.py") && out.contains("stribeck-friction"),
+        "{out}"
+    );
+    let (status, out, error) =
+        export(folder.path(), &["thor-drop", "--to", "isaaclab", "-o", "HERE/my-leg.py"]);
     assert_eq!(status, Some(0), "{error}");
     assert!(out.contains("lost") && out.contains("springs"), "{out}");
     assert_eq!(files(folder.path()), ["bench.py", "bench.xml", "better.toml", "my-leg.py", "my_leg.urdf"]);
@@ -49,7 +55,8 @@ fn a_bench_and_a_leg_are_written_with_what_they_lack() {
 #[test]
 fn what_cannot_be_exported_is_told_in_one_line_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("bad.toml"), "id = \"bad\"\nkind = \"linear\"\nsprung_mass_kg = -1\n").unwrap();
+    std::fs::write(folder.path().join("bad.toml"), "id = \"bad\"\nkind = \"linear\"\nsprung_mass_kg = -1\n")
+        .unwrap();
     for (arguments, wanted) in [
         (vec!["thor-linar", "--to", "mjcf", "-o", "HERE/a.xml"], "did you mean 'thor-linear'?"),
         (vec!["HERE/none.toml", "--to", "mjcf", "-o", "HERE/a.xml"], "no such file"),

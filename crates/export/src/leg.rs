@@ -22,6 +22,9 @@ pub struct LegActuator {
     pub drive: BenchDescription,
     /// Greatest current, A; infinite where nothing limits it.
     pub current_limit_a: f64,
+    /// Weight of the sprung mass of a linkage along the axis at the start, N: it is at `x_1 + L - y`, so that the spring's
+    /// deflection lifts it.
+    pub weight_on_spring: f64,
 }
 
 /// A leg.
@@ -58,6 +61,11 @@ impl LegDescription {
         let world_from_base = simulation.sample().world_from_link[0];
         let model = LegModel::new(scenario.clone(), scenario, Vec::new(), Vec::new())?;
         let mut robot = said.robot;
+        let start_q: Vec<f64> = {
+            let posture = &scenario.start.posture_rad;
+            robot.moving_joints().map(|j| posture.get(&j.name).copied().unwrap_or(0.0)).collect()
+        };
+        let posture = robot.posture(&world_from_base, &start_q);
         let rail = match scenario.base {
             BaseSpec::Rail { carriage_mass_kg } if carriage_mass_kg > 0.0 => {
                 let com = robot.links[0].inertial.as_ref().map_or(Point3::origin(), |i| i.com);
@@ -73,8 +81,20 @@ impl LegDescription {
         for (placement, model) in sprung.zip(&said.actuators) {
             place_sprung_mass(&mut robot, &placement, model);
             let terms = effects.remove(&placement.name).unwrap_or_default();
+            let index = robot.actuator_index(&placement.name).unwrap_or_default();
+            let upwards = match robot.attachment(index, &posture, &start_q)? {
+                Some([end_1, end_2]) => (end_2 - end_1).normalize().z,
+                None => 0.0,
+            };
+            let mut drive = drive(&placement, model, terms, scenario.gravity_m_s2, upwards);
+            let hoekens = matches!(placement.drive, Drive::Hoekens(_));
+            let weight_on_spring = match model.coefficients.configuration {
+                Configuration::SprungMotorHousing if hoekens => std::mem::take(&mut drive.offset_force),
+                _ => 0.0,
+            };
             actuators.push(LegActuator {
-                drive: drive(&placement, model, terms, scenario.gravity_m_s2),
+                drive,
+                weight_on_spring,
                 current_limit_a: model
                     .current_limit_a
                     .min(scenario.controller.current_limit_a.unwrap_or(f64::INFINITY)),
@@ -84,11 +104,10 @@ impl LegDescription {
         let others = effects
             .into_iter()
             .flat_map(|(place, terms)| terms.into_iter().map(move |e| (format!("{place}/{}", e.id), e.term)));
-        let posture = &scenario.start.posture_rad;
         Ok(Self {
             name: format!("{} in the scenario {}", robot.name, scenario.name),
             others: others.collect(),
-            start_q: robot.moving_joints().map(|j| posture.get(&j.name).copied().unwrap_or(0.0)).collect(),
+            start_q,
             actuators,
             rail,
             world_from_base,
@@ -119,13 +138,22 @@ fn effects(model: &LegModel) -> BTreeMap<String, Vec<Included>> {
     by_place
 }
 
+/// An actuator whose axis has the upward component `upwards`: the weight of its sprung mass, which is at `x_2 - y` of a rod
+/// or at `x_1 + y` of a sprung ball nut, pushes on the screw.
 fn drive(
     placement: &Placement,
     model: &ActuatorModel,
     effects: Vec<Included>,
     gravity_m_s2: f64,
+    upwards: f64,
 ) -> BenchDescription {
     let c = &model.coefficients;
+    let side = match c.configuration {
+        Configuration::SprungMotorHousing => 1.0,
+        Configuration::SprungBallNut => -1.0,
+        // The lumped model's mass has no weight.
+        Configuration::Lumped => 0.0,
+    };
     BenchDescription {
         name: placement.name.clone(),
         kind: Kind::Linear,
@@ -137,7 +165,7 @@ fn drive(
         nominal_stiffness: model.nominal.stiffness,
         travel_per_rad: model.travel_per_rad,
         gain: c.force_constant,
-        offset_force: 0.0,
+        offset_force: side * c.sprung_mass * gravity_m_s2 * upwards,
         gravity_m_s2,
         output: Output::Held,
         channels: Vec::new(),

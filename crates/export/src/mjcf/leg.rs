@@ -183,7 +183,7 @@ fn notes(leg: &LegDescription) -> Vec<Note> {
         ),
         Note::near(
             "sprung masses",
-            "point masses on the links; their reaction to the screw's acceleration is left out",
+            "point masses on the links, their weight on the screw that at the start; no reaction to its acceleration",
         ),
         Note::near("joint stops", "MuJoCo's own limits, without the scenario's stiffness and damping"),
         Note::lost("controller", "currents are yours to command; key 'start' has the scenario's posture"),

@@ -41,6 +41,9 @@ impl Parts {
         let half_gap = 0.5 * gap(bench);
         if half_gap == 0.0 {
             let _ = write!(spring, " stiffness=\"{}\"", stiffness(bench));
+            if actuator.weight_on_spring != 0.0 {
+                let _ = write!(spring, " springref=\"{}\"", num(actuator.weight_on_spring / bench.stiffness));
+            }
         }
         if damping > 0.0 {
             let _ = write!(spring, " damping=\"{}\"", num(damping));
