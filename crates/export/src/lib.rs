@@ -15,6 +15,7 @@ mod leg;
 mod mjcf;
 mod note;
 mod rigid;
+mod rigid_leg;
 mod sdf;
 mod term;
 mod text;

@@ -4,12 +4,11 @@
 //! locked bench the joint is the spring's deflection. Everywhere else the spring is taken as rigid and the actuator's
 //! inertia, damping, friction and limits are brought to the joints through the moment arms at the start.
 
+use crate::Note;
 use crate::bench::{BenchDescription, Output};
 use crate::joint_note::note;
-use crate::leg::LegDescription;
 use crate::term::Term;
 use crate::text::num;
-use crate::{ExportError, Note};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use sealegs_actuator::Kind;
 use sealegs_leg::robot::{Inertial, JointKind, JointLimits, Link};
@@ -66,7 +65,8 @@ pub struct RigidRobot {
     pub notes: Vec<Note>,
 }
 
-fn link(name: &str, mass_kg: f64, com: Point3<f64>, moment: f64) -> Link {
+/// A link with a mass, or none, at a point, with equal moments of inertia about it.
+pub fn link(name: &str, mass_kg: f64, com: Point3<f64>, moment: f64) -> Link {
     let inertial = (mass_kg > 0.0).then(|| Inertial { mass_kg, com, inertia: Matrix3::identity() * moment });
     Link { name: name.to_owned(), inertial, visuals: Vec::new(), collisions: Vec::new() }
 }
@@ -149,128 +149,9 @@ impl RigidRobot {
             notes,
         }
     }
-
-    /// # Errors
-    ///
-    /// [`ExportError::Leg`] where a linkage does not close at the start.
-    pub fn of_leg(leg: &LegDescription, reach: Reach) -> Result<Self, ExportError> {
-        let robot = &leg.robot;
-        let arms = robot.moment_arms(&leg.start_q)?;
-        let mut notes = vec![
-            Note::lost(
-                "springs",
-                "a tree of joints cannot close the loops of the actuators: rigid, with the rotors at the joints",
-            ),
-            Note::near(
-                "actuators",
-                "inertia, damping, friction and effort by the moment arms at the start, each joint by itself",
-            ),
-        ];
-        let root = if leg.rail { 1 } else { 0 };
-        let mut links = robot.links.clone();
-        let mut joints = Vec::new();
-        if leg.rail {
-            links.insert(0, link("rail", 0.0, Point3::origin(), 0.0));
-            joints.push(RigidJoint {
-                name: "rail".to_owned(),
-                kind: JointKind::Prismatic,
-                parent: 0,
-                child: 1,
-                origin: leg.world_from_base,
-                axis: Vector3::z(),
-                limits: JointLimits::NONE,
-                damping: 0.0,
-                friction: 0.0,
-                drive: None,
-            });
-        }
-        for joint in &robot.joints {
-            let mut made = RigidJoint {
-                name: joint.name.clone(),
-                kind: joint.kind,
-                parent: joint.parent + root,
-                child: joint.child + root,
-                origin: joint.origin,
-                axis: joint.axis.into_inner(),
-                limits: joint.limits,
-                damping: joint.damping,
-                friction: joint.friction,
-                drive: None,
-            };
-            if let Some(dof) = joint.dof {
-                bring(leg, dof, &arms, reach, &mut made, &mut links);
-            }
-            joints.push(made);
-        }
-        for actuator in &leg.actuators {
-            for (id, term) in actuator.drive.terms() {
-                notes.push(note(&format!("{}/{id}", actuator.placement.name), term, reach, true));
-            }
-        }
-        for (id, _) in &leg.others {
-            notes.push(Note::lost(id.as_str(), "an effect of the ground, a stop or a sensor"));
-        }
-        if leg.ground.is_some() {
-            notes.push(Note::lost("ground", "the contact's law is the simulator's own"));
-        }
-        notes.push(Note::lost("start", format!("joints at the start, rad: {:?}", leg.start_q)));
-        Ok(Self {
-            name: robot.name.clone(),
-            title: leg.name.clone(),
-            links,
-            joints,
-            root: if leg.rail { Isometry3::identity() } else { leg.world_from_base },
-            notes,
-        })
-    }
 }
 
-/// Brings to one joint what its actuators are, through their moment arms.
-fn bring(
-    leg: &LegDescription,
-    dof: usize,
-    arms: &nalgebra::DMatrix<f64>,
-    reach: Reach,
-    joint: &mut RigidJoint,
-    links: &mut [Link],
-) {
-    let mut drive = JointDrive { friction_at_rest: joint.friction, ..JointDrive::default() };
-    let (mut effort, mut any) = (0.0, false);
-    for actuator in &leg.actuators {
-        let Some(row) = leg.robot.actuator_index(&actuator.placement.name) else { continue };
-        let arm = arms[(row, dof)].abs();
-        if arm == 0.0 {
-            continue;
-        }
-        any = true;
-        let bench = &actuator.drive;
-        let own = driven(bench, arm, bench.inertia * arm * arm);
-        drive.armature += own.armature;
-        drive.friction_at_rest += own.friction_at_rest;
-        drive.delay_s = drive.delay_s.max(own.delay_s);
-        drive.voltage = own.voltage.or(drive.voltage);
-        joint.damping += bench.damping * arm * arm;
-        joint.friction += moving_friction(bench) * arm;
-        let limit = bench.command_limit().unwrap_or(f64::INFINITY).min(actuator.current_limit_a);
-        effort += limit * bench.gain.abs() * arm;
-    }
-    if !any {
-        return;
-    }
-    joint.limits.effort = joint.limits.effort.min(effort);
-    joint.limits.velocity = joint.limits.velocity.min(speed_limit(&drive));
-    if reach != Reach::Armature
-        && let Some(inertial) = links[joint.child].inertial.as_mut()
-    {
-        // About the joint's axis only; a third about the others keeps the body possible.
-        let along = joint.axis * joint.axis.transpose();
-        inertial.inertia += (along + (Matrix3::identity() - along) * 0.5) * drive.armature;
-        drive.armature = 0.0;
-    }
-    joint.drive = Some(drive);
-}
-
-fn driven(bench: &BenchDescription, arm: f64, armature: f64) -> JointDrive {
+pub fn driven(bench: &BenchDescription, arm: f64, armature: f64) -> JointDrive {
     let voltage = bench.find(|t| match *t {
         Term::VoltageLimit { bus, resistance } if bus.is_finite() => {
             Some((bench.gain * bus / resistance * arm, bus / bench.gain / arm))
@@ -286,12 +167,12 @@ fn driven(bench: &BenchDescription, arm: f64, armature: f64) -> JointDrive {
     }
 }
 
-fn speed_limit(drive: &JointDrive) -> f64 {
+pub fn speed_limit(drive: &JointDrive) -> f64 {
     drive.voltage.map_or(f64::INFINITY, |(_, speed)| speed)
 }
 
 /// Dry friction in motion.
-fn moving_friction(bench: &BenchDescription) -> f64 {
+pub fn moving_friction(bench: &BenchDescription) -> f64 {
     bench.sum(|t| match *t {
         Term::Coulomb { force } | Term::Presliding { force, .. } | Term::DirectedFriction { force, .. } => {
             Some(force)

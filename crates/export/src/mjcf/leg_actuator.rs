@@ -34,7 +34,7 @@ impl Parts {
     pub fn actuator(&mut self, leg: &LegDescription, actuator: &LegActuator) -> Result<(), ExportError> {
         let (bench, placement) = (&actuator.drive, &actuator.placement);
         let name = escaped(&placement.name);
-        // The spring's own inertia: so little that it moves ten times faster than a step can show its tie to be soft.
+        // The spring's own inertia, for the solver: with it the spring turns a third of a radian in a step.
         let least = |stiffness: f64| stiffness * (3.0 * STEP_S).powi(2);
         let damping = spring_damping(bench);
         let mut spring = format!(" armature=\"{}\"", num(least(bench.stiffness)));
@@ -201,6 +201,8 @@ fn note(id: &str, term: &Term, bench: &BenchDescription) -> Note {
         Term::Series { .. } => {
             Note::near(id, "a further spring; its mass is felt between screw and leg only")
         }
+        Term::OutputFriction { .. } => Note::held(id, "frictionloss of the joint"),
+        _ if id.ends_with("/spring-setting") => Note::held(id, "stiffness of the spring"),
         _ => Note::lost(id, "no element of MuJoCo; the callbacks beside a bench show how it could be added"),
     }
 }
