@@ -2,7 +2,7 @@
 
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{BenchModel, OUTPUTS};
-use sealegs_actuator::effect::OwnEffect;
+use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::ParameterSpec;
 use sealegs_cli::campaign_model::CampaignModel;
 use sealegs_cli::diagnosis::addition::add;
@@ -70,6 +70,22 @@ fn plain_seed() -> u64 {
     (0..).find(|seed| Individual::drawn(*seed).stamp == Stamp::Start).unwrap()
 }
 
+/// Laws of a user's own, one for each place.
+const OWN: [&str; 4] = [
+    "id = \"grease\"\nacts-on = \"rotor\"\nlaw = \"c*y_dot^3 + f*tanh(y_dot/v0)*abs(F_bs)/(abs(F_bs) + 10)\"\nparameters = { c = { guess = \
+     1e6, min = 0.0, max = 1e9 }, f = { guess = 20.0, min = 0.0, max = 1e3 }, v0 = { fixed = 1e-3 } }",
+    "id = \"heat\"\nacts-on = \"drive\"\nlaw = \"u*(1 - a*tanh(abs(y_dot)/v0))\"\nparameters = { a = { guess = 0.2, min = 0.0, max = \
+     1.0 }, v0 = { fixed = 0.01 } }",
+    "id = \"rubber\"\nacts-on = \"spring\"\nlaw = \"k_3*delta^3 + c*delta_dot\"\nparameters = { k_3 = { guess = 3e10, min = 0.0, max = \
+     1e14 }, c = { guess = 300.0, min = 0.0, max = 1e5 } }",
+    "id = \"seal\"\nacts-on = \"output\"\nlaw = \"m*tanh(theta_dot/w0)\"\nparameters = { m = { guess = 0.4, min = 0.0, max = 10.0 }, \
+     w0 = { fixed = 0.05 } }",
+];
+
+fn read(text: &str) -> Arc<dyn Effect> {
+    Arc::new(OwnEffect::from_toml(text, "own.toml").unwrap())
+}
+
 /// How strong an effect is made, in practice campaigns' usual ones, so that this command shows it.
 fn strength(id: &str) -> f64 {
     match id.split('@').next().unwrap_or(id) {
@@ -88,39 +104,39 @@ fn reference_every_effect_does_in_mujoco_what_it_does_here() {
     let seed = plain_seed();
     let (mut jobs, mut ours, mut names): (Vec<BenchJob>, _, Vec<String>) =
         (Vec::new(), Vec::new(), Vec::new());
-    let own = OwnEffect::from_toml(
-        "id = \"grease\"\nacts-on = \"rotor\"\nlaw = \"c*y_dot^3 + f*tanh(y_dot/v0)*abs(F_bs)/(abs(F_bs) + 10)\"\n\
-         parameters = { c = { guess = 1e6, min = 0.0, max = 1e9 }, f = { guess = 20.0, min = 0.0, max = 1e3 }, v0 = { fixed = 1e-3 } }",
-        "grease.toml",
-    )
-    .unwrap();
+    let own: Vec<Arc<dyn Effect>> = OWN.iter().map(|text| read(text)).collect();
     for rig in [Rig::Locked, Rig::Pendulum] {
         let plain = made(rig, seed, Vec::new(), 1.5);
         let channels: Vec<String> = plain.noise_std.iter().map(|n| n.0.to_owned()).collect();
         // A staircase with noise: it rests, starts and turns round.
         let record = &plain.runs[1].record;
         let spec = ActuatorSpec::preset("thor-linear").unwrap();
-        let base = BenchModel::with_own_effects(spec, rig.bench(), vec![Arc::new(own.clone())]).unwrap();
+        let base = BenchModel::with_own_effects(spec, rig.bench(), own.clone()).unwrap();
         let predict = |model: &BenchModel| {
             let values: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
             // A fifth of the usual step, so that what is seen is MuJoCo's error.
             model.clone().with_step(2e-5).predict(&values, record, &channels).unwrap().outputs
         };
         let without = predict(&base);
-        let ids = CATALOGUE.iter().copied().chain(["nothing", "sensor-delay@motor_angle_rad", "grease"]);
-        for id in ids.filter(|id| Hidden::applies(id, rig)) {
-            let model = match id {
-                "nothing" => base.clone(),
-                "grease" => base.including(id, &everything()).unwrap(),
-                _ => {
-                    let with = base.including(id, &everything()).unwrap();
-                    let hidden = Hidden::drawn(id, 5, strength(id));
-                    let values: Vec<f64> = (base.parameters().iter().map(|p| p.value))
-                        .chain(hidden.parameters.iter().map(|p| p.1))
-                        .collect();
-                    at(&with, &values)
+        let more = ["nothing", "sensor-delay@motor_angle_rad", "grease", "heat", "rubber", "seal"];
+        // What acts on one another in the files: a limit behind a delay, friction that feels play.
+        let sets = [
+            "transport-delay+voltage-saturation+current-saturation",
+            "backlash+load-dependent-friction+series-compliance",
+        ];
+        let ids = CATALOGUE.iter().copied().chain(more).chain(sets);
+        for id in ids.filter(|id| Hidden::applies(id, rig) && (*id != "seal" || rig == Rig::Pendulum)) {
+            let mut model = base.clone();
+            let mut values: Vec<f64> = base.parameters().iter().map(|p| p.value).collect();
+            for part in id.split('+').filter(|part| *part != "nothing") {
+                model = model.including(part, &everything()).unwrap();
+                if OWN.iter().any(|text| text.contains(&format!("id = \"{part}\""))) {
+                    values.extend(model.parameters()[values.len()..].iter().map(|p| p.value));
+                } else {
+                    values.extend(Hidden::drawn(part, 5, strength(part)).parameters.iter().map(|p| p.1));
                 }
-            };
+            }
+            let model = at(&model, &values);
             jobs.push(job(&model, &[record]));
             let with = predict(&model);
             let effect = apart(&plain, &with, &without);
@@ -361,5 +377,32 @@ fn reference_an_isaac_lab_module_is_python_with_fields_that_its_classes_have() {
             sealegs_export::bench(Format::IsaacLab, &at(&with, &values), "current_a", "bench").unwrap();
         let groups = read(&bench).unwrap();
         assert_eq!(groups["lever"]["class"], class, "{groups}");
+    }
+}
+
+#[test]
+fn reference_every_preset_loads_in_mujoco_and_stays_finite() {
+    let Some(python) = python(folder()) else { return };
+    let mut files = Vec::new();
+    for format in [Format::Mjcf, Format::Urdf] {
+        for name in ActuatorSpec::preset_names() {
+            for rig in [Rig::Locked, Rig::Pendulum] {
+                let model = BenchModel::new(ActuatorSpec::preset(name).unwrap(), rig.bench()).unwrap();
+                let text = sealegs_export::bench(format, &model, "current_a", "bench").unwrap().text;
+                files.push((format!("{name}_{}.{format}.xml", rig.as_str()), text));
+            }
+        }
+        for name in sealegs_leg::scenario::preset_names() {
+            let scenario = Scenario::load(name, &[]).unwrap();
+            let text = sealegs_export::leg(format, &scenario, "leg").unwrap().text;
+            files.push((format!("{name}.{format}.xml"), text));
+        }
+    }
+    let legs: Vec<(&str, &str, usize)> =
+        files.iter().map(|(name, text)| (name.as_str(), text.as_str(), 1000)).collect();
+    let (_, weighed) = run(&python, Vec::new(), &legs);
+    assert_eq!(weighed.len(), files.len());
+    for ((name, _), seen) in files.iter().zip(&weighed) {
+        assert!(seen.warnings == 0 && seen.speed.is_finite() && seen.dofs > 0, "{name}: {seen:?}");
     }
 }

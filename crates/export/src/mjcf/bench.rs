@@ -24,6 +24,9 @@ const MOST_ANGLE: f64 = 0.1;
 /// The share of the moving inertia that a body without mass gets, for MuJoCo admits none: no signal feels it.
 const LEAST_SHARE: f64 = 1e-9;
 
+/// The least mass, kg, and moment of inertia, kg m^2, of a body: MuJoCo refuses less than 1e-15.
+const LEAST: f64 = 1e-12;
+
 pub fn write(bench: &BenchDescription, stem: &str) -> Exported {
     let notes = bench_notes::notes(bench, stem);
     let model = escaped(&bench.name);
@@ -56,10 +59,10 @@ pub fn write(bench: &BenchDescription, stem: &str) -> Exported {
 /// Joint type, axis and inertial of a body that moves along the actuator's axis, or turns about it.
 fn moving(bench: &BenchDescription, inertia: f64) -> (&'static str, String) {
     let least = LEAST_SHARE * (bench.inertia + bench.sprung_mass);
-    let m = inertia.max(least);
+    let m = inertia.max(least).max(LEAST);
     match bench.kind {
-        // The moments of a body that does not turn: those of a ball of 1 cm.
-        Kind::Linear => ("slide", inertial("0 0 0", m, 1e-4 * m)),
+        // The moments of a body that does not turn are of no account.
+        Kind::Linear => ("slide", inertial("0 0 0", m, (1e-4 * m).max(LEAST))),
         Kind::Rotary => ("hinge", inertial("0 0 0", m, m)),
     }
 }
