@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
 /// The versions that read what is exported.
 const WANTED: &str = "mujoco>=4,<5";
@@ -24,6 +25,12 @@ const REQUIRED: &str = "SEALEGS_REQUIRE_MUJOCO";
 /// Where there is none and `SEALEGS_REQUIRE_MUJOCO` is set.
 #[must_use]
 pub fn python(folder: &Path) -> Option<PathBuf> {
+    // Tests run side by side, and one installation is enough.
+    static FOUND: OnceLock<Option<PathBuf>> = OnceLock::new();
+    FOUND.get_or_init(|| found(folder)).clone()
+}
+
+fn found(folder: &Path) -> Option<PathBuf> {
     let knows = |python: &Path| {
         let asked = "import mujoco; assert mujoco.__version__.split('.')[0] == '4'";
         Command::new(python).args(["-c", asked]).output().is_ok_and(|o| o.status.success())
