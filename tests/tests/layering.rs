@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// What each crate of the project may depend on within the project.
-const ARROWS: [(&str, &[&str]); 8] = [
+const ARROWS: [(&str, &[&str]); 9] = [
     ("sealegs-model", &[]),
     ("sealegs-actuator", &["sealegs-model"]),
     // Parameters, geometry, scenarios and command profiles only: its integration is its own.
@@ -12,6 +12,7 @@ const ARROWS: [(&str, &[&str]); 8] = [
     ("sealegs-leg", &["sealegs-model", "sealegs-actuator"]),
     ("sealegs-sysid", &["sealegs-model"]),
     ("sealegs-recorder", &["sealegs-model", "sealegs-sysid"]),
+    ("sealegs-export", &["sealegs-model", "sealegs-actuator", "sealegs-leg"]),
     (
         "sealegs",
         &[
@@ -33,6 +34,7 @@ const ARROWS: [(&str, &[&str]); 8] = [
             "sealegs-leg",
             "sealegs-sysid",
             "sealegs-recorder",
+            "sealegs-export",
         ],
     ),
 ];

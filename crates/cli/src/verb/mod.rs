@@ -7,6 +7,7 @@ mod compare;
 pub mod design;
 mod design_report;
 mod diagnose;
+mod export;
 mod impact;
 mod list;
 mod mystery;
@@ -36,6 +37,8 @@ pub enum Verb {
     Diagnose(diagnose::Diagnose),
     /// Add an effect to a model, refit it on a campaign and write the better model.
     Add(add::Add),
+    /// Write a bench or a leg for MuJoCo, ROS, Isaac Lab or Gazebo, and say what that format cannot hold.
+    Export(export::Export),
     /// Make a campaign with something hidden in it, to practise on.
     Mystery(mystery::MysteryArguments),
     /// Open the answer of a mystery, and judge a verdict on it.
@@ -63,6 +66,7 @@ pub fn run(verb: Verb) -> anyhow::Result<u8> {
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Diagnose(arguments) => diagnose::run(&arguments),
         Verb::Add(arguments) => add::run(&arguments),
+        Verb::Export(arguments) => export::run(&arguments),
         Verb::Mystery(arguments) => mystery::run(&arguments),
         Verb::Reveal(arguments) => reveal::run(&arguments),
         Verb::Bench(arguments) => bench::run(&arguments),

@@ -1,0 +1,34 @@
+//! What becomes of an effect in a format that has drives at joints only.
+
+use crate::Note;
+use crate::rigid::Reach;
+use crate::term::Term;
+
+/// What becomes of an effect at a joint; `rigid` where the spring is left out.
+pub fn note(id: &str, term: &Term, reach: Reach, rigid: bool) -> Note {
+    match term {
+        Term::Coulomb { .. } | Term::OutputFriction { .. } => Note::held(id, "friction of the joint"),
+        Term::Stribeck { .. } if reach == Reach::Armature => {
+            Note::near(id, "friction and dynamic_friction, without the speed between them")
+        }
+        Term::Stribeck { .. } => Note::near(id, "friction of the joint: its level in motion"),
+        Term::Presliding { .. } => Note::near(id, "friction of the joint, without the elastic part"),
+        Term::DirectedFriction { .. } => Note::near(id, "friction of the joint: the mean of both directions"),
+        Term::CommandLimit { .. } if reach == Reach::Armature && !rigid => {
+            Note::lost(id, "an effort limit would clip the spring's force, too: clip the command")
+        }
+        Term::CommandLimit { .. } => Note::held(id, "effort limit of the joint"),
+        Term::VoltageLimit { .. } if reach == Reach::Armature => {
+            Note::held(id, "DCMotorCfg, unless there is a delay")
+        }
+        Term::VoltageLimit { .. } => Note::near(id, "velocity limit of the joint: the speed at no load"),
+        Term::Delay { .. } if reach == Reach::Armature => {
+            Note::held(id, "DelayedPDActuatorCfg, in whole steps")
+        }
+        Term::SpringDamping { .. } if !rigid => Note::near(id, "damping of the joint"),
+        Term::Mode { .. } | Term::SensorLag { .. } | Term::SensorDelay { .. } => {
+            Note::lost(id, "sensors are the simulator's own")
+        }
+        _ => Note::lost(id, "the format has no element for it"),
+    }
+}
