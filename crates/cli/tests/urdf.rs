@@ -47,9 +47,10 @@ fn the_strict_get_one_message_and_status_2() {
     for (urdf, more, named) in [
         (&plain, vec!["--strict"], "triangle.urdf:5: link 'thigh' inertial inertia: no body has"),
         (&deep, vec![], "deep.urdf:2: URDF: elements are nested more than 256 deep"),
-        (&plain, vec!["--duration", "-1"], "duration_s"),
+        (&plain, vec!["--duration=-1"], "duration_s"),
     ] {
-        let arguments = [&["run", urdf.to_str().unwrap(), "--json", json.to_str().unwrap()], &more[..]].concat();
+        let arguments =
+            [&["run", urdf.to_str().unwrap(), "--json", json.to_str().unwrap()], &more[..]].concat();
         let output = sealegs(&arguments);
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");

@@ -219,13 +219,8 @@ fn joints(out: &mut String, result: &RunResult) {
     let _ = writeln!(out, "{:<width$}{:>14}{:>18}", "joint", "at the end", "with");
     for j in &result.joints {
         let unit = if j.slides { "m" } else { "rad" };
-        let _ = writeln!(
-            out,
-            "{:<width$}{:>14}{:>18}",
-            j.name,
-            format!("{:.4} {unit}", j.position),
-            format!("{:.4} {unit}/s", j.speed)
-        );
+        let (position, speed) = (format!("{:.4} {unit}", j.position), format!("{:.4} {unit}/s", j.speed));
+        let _ = writeln!(out, "{:<width$}{position:>14}{speed:>18}", j.name);
     }
 }
 
