@@ -4,6 +4,7 @@
 //! and only then completes what is known of `t_n`: load cells need the accelerations, and velocities at
 //! `t_n` are the mean of those half a step before and after (see the engine's leapfrog).
 
+mod bodies;
 mod ledger;
 mod sample;
 mod setup;
@@ -26,9 +27,9 @@ use crate::dynamics::engine::Engine;
 use crate::dynamics::stop::{StopLaw, Stops};
 use crate::dynamics::tree::Tree;
 use crate::effect::{self, Build, LegSetting, Placed};
-use crate::robot::{Inertial, Robot};
+use crate::robot::Robot;
 use crate::scenario::{Scenario, SpringStart};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DVector, Vector3};
 use sealegs_actuator::plant::{Laws, SensorStage};
 use sealegs_model::Excitation;
 use setup::Parts;
@@ -319,28 +320,6 @@ impl Simulation {
     #[must_use]
     pub fn peaks(&self) -> &Peaks {
         self.watch.peaks()
-    }
-
-    /// The mass matrix of the rigid bodies over the joints at the present posture, in the order of their degrees of
-    /// freedom, kg m^2 (kg m, kg where joints slide): without rotors, armature and the rail.
-    #[must_use]
-    pub fn mass_matrix(&self) -> DMatrix<f64> {
-        let (all, n) = (self.engine.mass_matrix(), self.engine.q.len());
-        DMatrix::from_fn(n, n, |i, j| all[(self.engine.column(i), self.engine.column(j))])
-    }
-
-    /// The joint torques that hold the rigid bodies against gravity at the present posture, by degree of freedom,
-    /// N m (N where a joint slides): `g` in `M q'' + c + g = tau`.
-    #[must_use]
-    pub fn gravity_torques(&self) -> DVector<f64> {
-        let weight = self.engine.gravity_forces();
-        DVector::from_fn(self.engine.q.len(), |dof, _| -weight[self.engine.column(dof)])
-    }
-
-    /// The mass properties that the rigid bodies are simulated with, each by the name of the link that its joint
-    /// carries and in that link's frame: the link with everything fixed to it.
-    pub fn moving_bodies(&self) -> impl Iterator<Item = (&str, &Inertial)> {
-        self.tree.bodies.iter().skip(1).filter_map(|b| Some((b.name.as_str(), b.inertial.as_ref()?)))
     }
 
     /// One step that is told to whoever wants channels and nothing else.
