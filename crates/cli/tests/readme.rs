@@ -67,6 +67,7 @@ fn workshop() -> tempfile::TempDir {
     }
     std::fs::write(at.join("belt-drag.toml"), block(&readme, "id = \"belt-drag\"")).unwrap();
     std::fs::copy(house().join("assets/scenarios/thor-drop.toml"), at.join("my-drop.toml")).unwrap();
+    std::fs::copy(house().join("assets/robots/thor-leg.urdf"), at.join("robot.urdf")).unwrap();
     // Of the two that stand there the one without an effect: the other is the tour's, and takes as long.
     copy(&house().join("assets/campaigns/leg-clean"), &at.join("assets/campaigns/leg-drop"));
     folder

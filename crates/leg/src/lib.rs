@@ -17,4 +17,4 @@ pub mod scenario;
 pub mod simulation;
 
 pub use error::LegError;
-pub use run::{Channels, Recorded, RunResult, channels, run, run_robot, run_simulation};
+pub use run::{Channels, JointEnd, Recorded, RunResult, channels, run, run_robot, run_simulation};

@@ -2,7 +2,7 @@
 
 use crate::LegError;
 use crate::channel::{self, Channel, Instant};
-use crate::robot::Robot;
+use crate::robot::{JointKind, Robot};
 use crate::scenario::Scenario;
 use crate::simulation::{
     EnergyBalance, Event, EventKind, LegDescription, Observer, Peaks, Sample, Simulation,
@@ -23,6 +23,10 @@ pub struct RunResult {
     pub peaks: Peaks,
     /// What happened, in the order of time.
     pub events: Vec<Event>,
+    /// Where the joints are at the end, in the order of their degrees of freedom.
+    pub joints: Vec<JointEnd>,
+    /// What was mended, left out or is not supported in the robot's files, one sentence each.
+    pub remarks: Vec<String>,
     /// Energy at the end.
     pub energy: EnergyBalance,
     /// The greatest magnitude of the energy balance's residual as a ratio of the energy in motion.
@@ -61,6 +65,19 @@ impl Scenario {
         let result = run(self, &mut channels)?;
         Ok(Recorded { result, channels })
     }
+}
+
+/// A joint at the end of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointEnd {
+    /// Its name.
+    pub name: String,
+    /// Whether it slides: then metres stand for radians.
+    pub slides: bool,
+    /// Position, rad or m.
+    pub position: f64,
+    /// Speed, rad/s or m/s.
+    pub speed: f64,
 }
 
 /// Runs a scenario to its end.
@@ -126,8 +143,20 @@ pub fn run_simulation(
             observer.sample(sample)?;
         }
     }
+    let (robot, last) = (&simulation.leg().robot, simulation.sample());
+    let ends = last.joint_angles_rad.iter().zip(&last.joint_speeds_rad_s);
+    let joints = (robot.moving_joints().zip(ends))
+        .map(|(joint, (position, speed))| JointEnd {
+            name: joint.name.clone(),
+            slides: joint.kind == JointKind::Prismatic,
+            position: *position,
+            speed: *speed,
+        })
+        .collect();
     Ok(RunResult {
         scenario: scenario.name.clone(),
+        joints,
+        remarks: robot.warnings.clone(),
         step_s: scenario.step_s,
         time_s,
         peaks: simulation.peaks().clone(),

@@ -26,6 +26,13 @@ fn robot(urdf: &str, placement: &str) -> Result<Robot, LegError> {
     Robot::from_urdf(urdf, "own.urdf", None)?.with_placement(placement, "own.actuators.toml", None)
 }
 
+/// Meshes by the ending of their files.
+const MESHES: [(&str, &[u8]); 3] = [
+    ("stl", b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n"),
+    ("obj", b"o s\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -4 -3 -2\n"),
+    ("dae", include_bytes!("robot/faults/plate.dae")),
+];
+
 fn some_preset() -> impl Strategy<Value = Vec<u8>> {
     (0..preset_names().len()).prop_flat_map(|i| damaged(preset_text(preset_names()[i]).unwrap().as_bytes()))
 }
@@ -56,6 +63,24 @@ proptest! {
                 Ok(robot) => simulate(&Scenario::load("thor-drop", &[]).unwrap(), robot),
                 Err(error) => names(&["own.urdf", "own.actuators.toml"], &error),
             }
+        });
+    }
+
+    #[test]
+    fn a_damaged_mesh_is_read_or_left_out(
+        (ending, bytes) in (0..MESHES.len()).prop_flat_map(|i| {
+            damaged(MESHES[i].1).prop_map(move |bytes| (MESHES[i].0, bytes))
+        })
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(format!("damaged.{ending}"));
+        std::fs::write(&file, bytes).unwrap();
+        survives(move || {
+            let mesh = format!("file://{}", file.display());
+            let shape = format!("<visual><geometry><mesh filename=\"{mesh}\"/></geometry></visual>");
+            let urdf = format!("<robot name=\"r\"><link name=\"a\">{shape}</link></robot>");
+            let robot = Robot::from_urdf(&urdf, "own.urdf", None).unwrap();
+            assert_eq!(robot.links[0].visuals.len() + robot.warnings.len(), 1, "{:?}", robot.warnings);
         });
     }
 

@@ -11,12 +11,12 @@ use sealegs::leg_scene::LegRecorder;
 use sealegs::recorder::recording::Output;
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Run a scenario: a drop, a swing, a leg of your own.
+/// Run a scenario: a drop, a swing, a leg of your own, or any URDF that falls from a fixed base.
 #[derive(Args)]
 pub struct Run {
-    /// A shipped scenario's name (see `sealegs list`) or a TOML file.
+    /// A shipped scenario's name (see `sealegs list`), a TOML file, or a URDF by itself.
     scenario: String,
     /// Write a Rerun recording.
     #[arg(long, value_name = "FILE")]
@@ -36,6 +36,12 @@ pub struct Run {
     /// Integration step, s.
     #[arg(long, value_name = "SECONDS")]
     step: Option<f64>,
+    /// Duration, s.
+    #[arg(long, value_name = "SECONDS")]
+    duration: Option<f64>,
+    /// Refuse a URDF that would have to be mended.
+    #[arg(long)]
+    strict: bool,
 }
 
 /// Everyone who watches this run.
@@ -71,8 +77,7 @@ impl Observer for Watchers {
 ///
 /// Bad input; a run that stopped before its end, after everything that was recorded has been written.
 pub fn run(args: &Run) -> anyhow::Result<u8> {
-    let scenario = load(&args.scenario, &args.set, args.step)?;
-    let simulation = Simulation::new(&scenario).or_bad_input()?;
+    let (scenario, simulation) = prepare(args)?;
     let rrd = Destination::optional(args.rrd.as_ref())?;
     let csv = Destination::optional(args.csv.as_ref())?;
     let json = Destination::optional(args.json.as_ref())?;
@@ -91,7 +96,6 @@ pub fn run(args: &Run) -> anyhow::Result<u8> {
     if args.view {
         watchers.recorders.push(LegRecorder::new(Output::Viewer, document));
     }
-    let joints = simulation.leg().joints.len();
     let result = run_simulation(&scenario, simulation, &mut watchers)?;
     if let Some(bar) = &watchers.progress {
         bar.finish_and_clear();
@@ -110,7 +114,7 @@ pub fn run(args: &Run) -> anyhow::Result<u8> {
         json.write(format!("{}\n", serde_json::to_string_pretty(&result)?).as_bytes())?;
     }
     if !to_stdout {
-        std::io::stdout().write_all(summary(&result, joints).as_bytes())?;
+        std::io::stdout().write_all(summary(&result).as_bytes())?;
     }
     match result.stopped {
         Some(what) => {
@@ -118,6 +122,22 @@ pub fn run(args: &Run) -> anyhow::Result<u8> {
         }
         None => Ok(0),
     }
+}
+
+/// The scenario, or the URDF by itself, ready to run.
+fn prepare(args: &Run) -> anyhow::Result<(Scenario, Simulation)> {
+    let mut set = args.set.clone();
+    set.extend(args.duration.map(|s| format!("duration_s={s:?}")));
+    set.extend(args.strict.then(|| "strict=true".to_owned()));
+    if !Path::new(&args.scenario).extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf")) {
+        let scenario = load(&args.scenario, &set, args.step)?;
+        let simulation = Simulation::new(&scenario).or_bad_input()?;
+        return Ok((scenario, simulation));
+    }
+    set.extend(args.step.map(|s| format!("step_s={s:?}")));
+    let (scenario, robot) = Scenario::for_robot(&args.scenario, &set).or_bad_input()?;
+    let simulation = Simulation::with_robot(&scenario, robot).or_bad_input()?;
+    Ok((scenario, simulation))
 }
 
 /// The scenario with the command line's changes.
@@ -146,16 +166,26 @@ fn csv_of(channels: &Channels) -> anyhow::Result<Vec<u8>> {
     Ok(writer.into_inner()?)
 }
 
+/// Most remarks of a summary: the robots of some makers leave hundreds.
+const MOST_REMARKS: usize = 20;
+
 /// Peaks, events and the energy balance, for a terminal.
-pub(super) fn summary(result: &RunResult, joints: usize) -> String {
+pub(super) fn summary(result: &RunResult) -> String {
     let mut out = String::new();
     let p = &result.peaks;
+    for remark in result.remarks.iter().take(MOST_REMARKS) {
+        let _ = writeln!(out, "{remark}");
+    }
+    if result.remarks.len() > MOST_REMARKS {
+        let _ = writeln!(out, "and {} remarks more: --json has them", result.remarks.len() - MOST_REMARKS);
+    }
     let _ = writeln!(
         out,
-        "{}: {:.3} s at a step of {:.0} us, {joints} joints, {} actuators",
+        "{}: {:.3} s at a step of {:.0} us, {} joints, {} actuators",
         result.scenario,
         result.time_s,
         1e6 * result.step_s,
+        result.joints.len(),
         p.actuators.len()
     );
     if p.ground_force_n.value > 0.0 {
@@ -165,22 +195,10 @@ pub(super) fn summary(result: &RunResult, joints: usize) -> String {
             p.ground_force_n.value, p.ground_force_n.time_s
         );
     }
-    let _ = writeln!(
-        out,
-        "{:<14}{:>10}{:>10}{:>12}{:>10}{:>10}",
-        "actuator", "F1 N", "F2 N", "spring mm", "beam MPa", "current A"
-    );
-    for a in &p.actuators {
-        let _ = writeln!(
-            out,
-            "{:<14}{:>10.0}{:>10.0}{:>12.3}{:>10.1}{:>10.2}",
-            a.name,
-            a.force_1_n.value,
-            a.force_2_n.value,
-            1e3 * a.deflection_m.value,
-            1e-6 * a.stress_pa.value,
-            a.current_a.value
-        );
+    if p.actuators.is_empty() {
+        joints(&mut out, result);
+    } else {
+        actuators(&mut out, result);
     }
     for event in &result.events {
         let subject = if event.subject.is_empty() { String::new() } else { format!("{}: ", event.subject) };
@@ -194,4 +212,36 @@ pub(super) fn summary(result: &RunResult, joints: usize) -> String {
         e.motor_work_j, e.rotor_loss_j, e.ground_work_j, e.joint_work_j, result.worst_energy_residual
     );
     out
+}
+
+/// Where the joints are at the end.
+fn joints(out: &mut String, result: &RunResult) {
+    let width = result.joints.iter().map(|j| j.name.chars().count()).max().unwrap_or(0).max(5) + 2;
+    let _ = writeln!(out, "{:<width$}{:>14}{:>18}", "joint", "at the end", "with");
+    for j in &result.joints {
+        let unit = if j.slides { "m" } else { "rad" };
+        let (position, speed) = (format!("{:.4} {unit}", j.position), format!("{:.4} {unit}/s", j.speed));
+        let _ = writeln!(out, "{:<width$}{position:>14}{speed:>18}", j.name);
+    }
+}
+
+/// The greatest values of the actuators.
+fn actuators(out: &mut String, result: &RunResult) {
+    let _ = writeln!(
+        out,
+        "{:<14}{:>10}{:>10}{:>12}{:>10}{:>10}",
+        "actuator", "F1 N", "F2 N", "spring mm", "beam MPa", "current A"
+    );
+    for a in &result.peaks.actuators {
+        let _ = writeln!(
+            out,
+            "{:<14}{:>10.0}{:>10.0}{:>12.3}{:>10.1}{:>10.2}",
+            a.name,
+            a.force_1_n.value,
+            a.force_2_n.value,
+            1e3 * a.deflection_m.value,
+            1e-6 * a.stress_pa.value,
+            a.current_a.value
+        );
+    }
 }

@@ -105,8 +105,8 @@ fn drop_the_leg(folder: &Path) -> anyhow::Result<()> {
     let scenario = Scenario::load(MODEL, &[]).or_bad_input()?;
     let rrd = Destination::new(&folder.join("1-drop.rrd"))?;
     if let Some(part) = rrd.part() {
-        let (leg, result) = leg_scene::record(&scenario, Output::File(part.to_owned()))?;
-        print(&run_summary(&result, leg.joints.len()))?;
+        let (_, result) = leg_scene::record(&scenario, Output::File(part.to_owned()))?;
+        print(&run_summary(&result))?;
     }
     rrd.finish()
 }

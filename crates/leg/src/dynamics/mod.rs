@@ -5,5 +5,6 @@ pub mod contact;
 pub mod coupling;
 pub(crate) mod drive;
 pub(crate) mod engine;
+mod stiff;
 pub mod stop;
 pub(crate) mod tree;

@@ -1,6 +1,11 @@
 //! What acts at the joints beside actuators: stops at the URDF's limits, viscous loss and dry friction.
+//!
+//! A joint whose losses are slow against the step takes them as they are at the step's beginning. Where they are
+//! fast (a finger's inertia against the stiffness of a stop) that would run away, and they are solved for at the
+//! step's end: see [`stiff`](super::stiff).
 
 use super::engine::Engine;
+use super::stiff::{Loss, Stiff};
 use super::tree::Tree;
 use crate::robot::Robot;
 
@@ -55,10 +60,46 @@ struct JointLosses {
     stopped: bool,
 }
 
+impl JointLosses {
+    fn bristle_stiffness(&self) -> f64 {
+        self.friction / PRESLIDING_RAD
+    }
+
+    /// The greatest that its losses change with the speed at the end of a step, N m s/rad.
+    fn rate(&self, step_s: f64) -> f64 {
+        let stop = self.law.damping_nm_s_rad + step_s * self.law.stiffness_nm_rad;
+        let stops = self.lower.is_finite() || self.upper.is_finite();
+        self.damping + step_s * self.bristle_stiffness() + if stops { stop } else { 0.0 }
+    }
+
+    /// What is to be solved for the end of the step, `past` rad beyond a limit.
+    fn loss(&self, past: f64) -> Loss {
+        Loss {
+            dof: self.dof,
+            damping: self.damping,
+            past,
+            stop_stiffness: self.law.stiffness_nm_rad,
+            stop_damping: self.law.damping_nm_s_rad,
+            bristle: self.bristle,
+            bristle_stiffness: self.bristle_stiffness(),
+            friction: self.friction,
+        }
+    }
+
+    /// Puts a torque on the bodies.
+    fn put(&mut self, torque: f64, engine: &mut Engine) {
+        self.torque = torque;
+        if torque != 0.0 {
+            engine.add_joint_effort(self.body, self.parent, self.slides, torque);
+        }
+    }
+}
+
 /// The passive torques of all joints.
 #[derive(Debug, Clone)]
 pub(crate) struct Stops {
     joints: Vec<JointLosses>,
+    stiff: Stiff,
 }
 
 impl Stops {
@@ -68,8 +109,9 @@ impl Stops {
         robot: &Robot,
         tree: &Tree,
         engine: &Engine,
+        step_s: f64,
     ) -> Self {
-        let joints = tree
+        let joints: Vec<JointLosses> = tree
             .bodies
             .iter()
             .enumerate()
@@ -99,7 +141,9 @@ impl Stops {
                 }
             })
             .collect();
-        Self { joints }
+        let rates = joints.iter().map(|j| (j.dof, j.rate(step_s)));
+        let stiff = Stiff::new(rates.collect(), engine, step_s);
+        Self { joints, stiff }
     }
 
     /// Takes up the pose at the start.
@@ -112,8 +156,10 @@ impl Stops {
 
     /// Puts the torques on the bodies.
     pub fn apply(&mut self, engine: &mut Engine) {
-        for joint in &mut self.joints {
-            let (q, speed) = (engine.q[joint.dof], engine.joint_velocity(joint.dof));
+        self.stiff.look(engine);
+        let mut fast: Vec<(usize, Loss)> = Vec::new();
+        for (index, joint) in self.joints.iter_mut().enumerate() {
+            let q = engine.q[joint.dof];
             let moved = q - joint.before[1];
             joint.before = [joint.before[1], q];
             let past = if q > joint.upper {
@@ -123,21 +169,32 @@ impl Stops {
             } else {
                 0.0
             };
-            let mut torque = -joint.damping * speed;
             joint.stopped = past != 0.0;
+            if joint.friction > 0.0 {
+                joint.bristle = (joint.bristle - joint.bristle_stiffness() * moved)
+                    .clamp(-joint.friction, joint.friction);
+            }
+            if self.stiff.contains(joint.dof) {
+                fast.push((index, joint.loss(past)));
+                continue;
+            }
+            let speed = engine.joint_velocity(joint.dof);
+            let mut torque = -joint.damping * speed;
             if joint.stopped {
                 let push = -joint.law.stiffness_nm_rad * past - joint.law.damping_nm_s_rad * speed;
                 // A stop pushes back into the range only.
                 torque += if past > 0.0 { push.min(0.0) } else { push.max(0.0) };
             }
             if joint.friction > 0.0 {
-                let stiffness = joint.friction / PRESLIDING_RAD;
-                joint.bristle = (joint.bristle - stiffness * moved).clamp(-joint.friction, joint.friction);
                 torque += joint.bristle;
             }
-            joint.torque = torque;
-            if torque != 0.0 {
-                engine.add_joint_effort(joint.body, joint.parent, joint.slides, torque);
+            joint.put(torque, engine);
+        }
+        if !fast.is_empty() {
+            let losses: Vec<Loss> = fast.iter().map(|(_, loss)| *loss).collect();
+            let torques = self.stiff.torques(&losses, engine);
+            for ((index, _), torque) in fast.iter().zip(torques) {
+                self.joints[*index].put(torque, engine);
             }
         }
     }

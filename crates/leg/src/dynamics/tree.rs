@@ -54,8 +54,8 @@ impl Tree {
                 None => {
                     let merged = match (&bodies[parent].inertial, &link.inertial) {
                         (a, None) => a.clone(),
-                        (None, Some(b)) => Some(moved(b, &origin)),
-                        (Some(a), Some(b)) => Some(combined(a, &moved(b, &origin))),
+                        (None, Some(b)) => Some(b.seen_from(&origin)),
+                        (Some(a), Some(b)) => Some(a.joined_with(&b.seen_from(&origin))),
                     };
                     bodies[parent].inertial = merged;
                     links.push((parent, origin));
@@ -95,60 +95,5 @@ impl Tree {
     pub fn in_body(&self, link: usize, point: &Point3<f64>) -> (usize, Point3<f64>) {
         let (body, body_from_link) = self.links[link];
         (body, body_from_link * point)
-    }
-}
-
-/// The same mass properties seen from another frame.
-fn moved(inertial: &Inertial, to_from: &Isometry3<f64>) -> Inertial {
-    let r = to_from.rotation.to_rotation_matrix();
-    Inertial {
-        mass_kg: inertial.mass_kg,
-        com: to_from * inertial.com,
-        inertia: r * inertial.inertia * r.transpose(),
-    }
-}
-
-/// Two bodies as one, both in the same frame.
-fn combined(a: &Inertial, b: &Inertial) -> Inertial {
-    let mass_kg = a.mass_kg + b.mass_kg;
-    let d = b.com - a.com;
-    let reduced = a.mass_kg * b.mass_kg / mass_kg;
-    Inertial {
-        mass_kg,
-        com: a.com + d * (b.mass_kg / mass_kg),
-        inertia: a.inertia
-            + b.inertia
-            + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * reduced,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn analytic_two_spheres_on_a_rod() {
-        let sphere = |x: f64| Inertial {
-            mass_kg: 2.0,
-            com: Point3::new(x, 0.0, 0.0),
-            inertia: Matrix3::identity() * 0.1,
-        };
-        let both = combined(&sphere(-0.5), &sphere(0.5));
-        assert!((both.mass_kg - 4.0).abs() < 1e-15 && both.com.coords.norm() < 1e-15);
-        // Steiner: 2 * 0.1 + 2 * 2 * 0.5^2 across, 2 * 0.1 along.
-        assert!((both.inertia[(1, 1)] - 1.2).abs() < 1e-15 && (both.inertia[(0, 0)] - 0.2).abs() < 1e-15);
-    }
-
-    #[test]
-    fn analytic_turning_the_frame_turns_the_inertia() {
-        let rod = Inertial {
-            mass_kg: 1.0,
-            com: Point3::new(0.0, 0.0, 1.0),
-            inertia: Matrix3::from_diagonal(&Vector3::new(3.0, 2.0, 1.0)),
-        };
-        let quarter = Isometry3::rotation(Vector3::y() * std::f64::consts::FRAC_PI_2);
-        let seen = moved(&rod, &quarter);
-        assert!((seen.com - Point3::new(1.0, 0.0, 0.0)).norm() < 1e-15);
-        assert!((seen.inertia - Matrix3::from_diagonal(&Vector3::new(1.0, 2.0, 3.0))).norm() < 1e-14);
     }
 }

@@ -9,6 +9,9 @@ pub enum RobotFault {
     /// The text is no XML at all.
     #[error("no XML: {0}")]
     NotXml(String),
+    /// Elements are inside each other without end.
+    #[error("elements are nested more than {0} deep")]
+    NestedTooDeep(u32),
     /// The XML is no URDF, or a value in it cannot be read.
     #[error("{0}")]
     NotUrdf(String),
@@ -56,6 +59,9 @@ pub enum RobotFault {
     /// A joint type that the simulation cannot honour.
     #[error("joint type '{0}' is not supported, and leaving it out would change the robot")]
     UnsupportedJoint(String),
+    /// A joint that is to follow another.
+    #[error("following joint '{0}' is not supported")]
+    Mimic(String),
     /// A number outside of what is admitted.
     #[error("{value}: must be {admitted}")]
     BadValue {

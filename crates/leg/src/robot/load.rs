@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Robot, Source};
+use super::{LoadOptions, Robot, Source};
 use crate::LegError;
 use crate::error::nearest;
 
@@ -35,16 +35,30 @@ impl Robot {
 
     /// A user's URDF if `name_or_path` is an existing file, else the embedded robot of that name. The
     /// actuators are those of `placement`, if given, else of `NAME.actuators.toml` beside the URDF, if there
-    /// is one.
+    /// is one. Faults are mended with a remark, and packages are looked for where the environment says
+    /// ([`LoadOptions::from_environment`]).
     ///
     /// # Errors
     ///
     /// [`LegError::UnknownRobot`], [`LegError::Io`], or what [`Robot::from_urdf`] and
     /// [`Robot::with_placement`] say.
     pub fn load(name_or_path: &str, placement: Option<&Path>) -> Result<Self, LegError> {
+        Self::load_with(name_or_path, placement, &LoadOptions::from_environment())
+    }
+
+    /// As [`Robot::load`], with options.
+    ///
+    /// # Errors
+    ///
+    /// As [`Robot::load`], and with [`LoadOptions::strict`] whatever would be mended.
+    pub fn load_with(
+        name_or_path: &str,
+        placement: Option<&Path>,
+        options: &LoadOptions,
+    ) -> Result<Self, LegError> {
         let path = Path::new(name_or_path);
         if path.is_file() {
-            return Self::from_files(path, placement);
+            return Self::from_files(path, placement, options);
         }
         let Some((urdf, beside)) = Self::preset_texts(name_or_path) else {
             if path.extension().is_some_and(|e| e == "urdf") || path.components().count() > 1 {
@@ -57,7 +71,7 @@ impl Robot {
                 known: known.into_iter().map(str::to_owned).collect(),
             });
         };
-        let mut robot = Self::from_urdf(urdf, &format!("{name_or_path}.urdf"), None)?;
+        let mut robot = Self::from_urdf_with(urdf, &format!("{name_or_path}.urdf"), None, options)?;
         robot.source = Source::Preset(name_or_path.to_owned());
         match placement {
             Some(file) => robot.with_placement_file(file),
@@ -65,9 +79,10 @@ impl Robot {
         }
     }
 
-    fn from_files(urdf: &Path, placement: Option<&Path>) -> Result<Self, LegError> {
+    fn from_files(urdf: &Path, placement: Option<&Path>, options: &LoadOptions) -> Result<Self, LegError> {
         let text = std::fs::read_to_string(urdf).map_err(unreadable(urdf))?;
-        let mut robot = Self::from_urdf(&text, &urdf.display().to_string(), Some(folder(urdf)))?;
+        let mut robot =
+            Self::from_urdf_with(&text, &urdf.display().to_string(), Some(folder(urdf)), options)?;
         let beside = urdf.with_extension("actuators.toml");
         let placement: Option<PathBuf> =
             placement.map(Path::to_owned).or_else(|| beside.is_file().then_some(beside));

@@ -1,26 +1,32 @@
-//! Triangle meshes from STL (text and binary) and OBJ files.
+//! Triangle meshes from STL (text and binary), OBJ and COLLADA files.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::io::Cursor;
+use std::path::Path;
 
-use super::{Mesh, RobotFault};
+use super::{LoadOptions, Mesh, RobotFault, dae};
 
-/// Reads the mesh that a URDF names, scaled to metres. `None` if the file is of a kind that is not read.
-///
-/// A `package://name/path` is looked for as `path` and `name/path` in the URDF's folder and above it, so that
-/// no ROS needs to be installed.
-pub(super) fn load(name: &str, scale: [f64; 3], folder: Option<&Path>) -> Result<Option<Mesh>, RobotFault> {
+/// Vertices and triangles.
+pub(super) type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+/// Reads the mesh that a URDF in `folder` names, scaled to metres.
+pub(super) fn load(
+    name: &str,
+    scale: [f64; 3],
+    folder: Option<&Path>,
+    options: &LoadOptions,
+) -> Result<Mesh, RobotFault> {
     let fault = |problem: String| RobotFault::Mesh { file: name.to_owned(), problem };
     let read: fn(&[u8]) -> Result<Triangles, String> =
         match Path::new(name).extension().and_then(|e| e.to_str()).map(str::to_lowercase).as_deref() {
             Some("stl") => stl,
             Some("obj") => obj,
-            _ => return Ok(None),
+            Some("dae") => dae::read,
+            _ => return Err(fault("neither STL nor OBJ nor DAE".to_owned())),
         };
     if let Some(bad) = scale.iter().find(|s| **s == 0.0 || !s.is_finite()) {
         return Err(fault(format!("scale {bad}: must be finite and not zero")));
     }
-    let path = resolve(name, folder).ok_or_else(|| fault("no such file".to_owned()))?;
+    let path = options.find(name, folder).ok_or_else(|| fault("no such file".to_owned()))?;
     let bytes = std::fs::read(&path).map_err(|e| fault(e.to_string()))?;
     let (mut vertices, mut triangles) = read(&bytes).map_err(fault)?;
     if triangles.is_empty() {
@@ -38,99 +44,80 @@ pub(super) fn load(name: &str, scale: [f64; 3], folder: Option<&Path>) -> Result
     if scale.iter().product::<f64>() < 0.0 {
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
-    Ok(Some(Mesh { file: name.to_owned(), vertices, triangles }))
+    Ok(Mesh { file: name.to_owned(), vertices, triangles })
 }
 
-fn resolve(name: &str, folder: Option<&Path>) -> Option<PathBuf> {
-    let folder = folder.unwrap_or(Path::new("."));
-    let Some(inside) = name.strip_prefix("package://") else {
-        let path = folder.join(name.strip_prefix("file://").unwrap_or(name));
-        return path.is_file().then_some(path);
-    };
-    let below = inside.split_once('/').map_or(inside, |(_, path)| path);
-    let absolute = std::path::absolute(folder).ok()?;
-    absolute.ancestors().flat_map(|a| [a.join(below), a.join(inside)]).find(|p| p.is_file())
-}
-
-/// Vertices and triangles.
-type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
-
+/// An STL file, read by `stl_io`, which tells text from binary by the first word alone and wants a name in it.
 fn stl(bytes: &[u8]) -> Result<Triangles, String> {
     // Some programs start binary files with "solid" as well: the length decides.
     let count = bytes.get(80..84).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]]) as usize);
-    let corners: Vec<[f64; 3]> = if count.is_some_and(|n| bytes.len() == 84 + 50 * n) {
-        let number = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-        let corner = |b: &[u8]| [number(&b[..4]), number(&b[4..8]), number(&b[8..12])];
-        bytes[84..].chunks_exact(50).flat_map(|t| t[12..48].chunks_exact(12).map(corner)).collect()
-    } else if bytes.trim_ascii_start().starts_with(b"solid") {
-        let text = std::str::from_utf8(bytes).map_err(|_| "neither a binary nor a text STL".to_owned())?;
-        if !text.lines().any(|l| l.trim_start().starts_with("endsolid")) {
-            return Err("cut short: there is no 'endsolid'".to_owned());
-        }
-        let mut corners = Vec::new();
-        for (number, line) in text.lines().enumerate() {
-            let mut words = line.split_whitespace();
-            if words.next() == Some("vertex") {
-                corners.push(point(words).ok_or_else(|| format!("line {}: not a vertex", number + 1))?);
-            }
-        }
-        corners
-    } else {
-        return Err("neither a binary nor a text STL".to_owned());
-    };
-    if !corners.len().is_multiple_of(3) {
-        return Err(format!("{} corners do not make triangles", corners.len()));
+    if count.is_some_and(|n| bytes.len() == 84 + 50 * n) {
+        return solid([&[0; 80], &bytes[80..]].concat());
     }
-    Ok(joined(&corners))
-}
-
-/// Joins equal corners, which STL repeats for each triangle.
-fn joined(corners: &[[f64; 3]]) -> Triangles {
-    let mut known = BTreeMap::new();
-    let mut vertices = Vec::new();
-    let indices: Vec<u32> = corners
-        .iter()
-        .map(|c| {
-            *known.entry(c.map(f64::to_bits)).or_insert_with(|| {
-                vertices.push(*c);
-                vertices.len() as u32 - 1
-            })
-        })
-        .collect();
-    (vertices, indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect())
-}
-
-fn obj(bytes: &[u8]) -> Result<Triangles, String> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "not a text file".to_owned())?;
+    let text = bytes.trim_ascii_start();
+    if !text.starts_with(b"solid") {
+        return Err("neither a binary nor a text STL".to_owned());
+    }
+    let text = std::str::from_utf8(text).map_err(|_| "neither a binary nor a text STL".to_owned())?;
+    // A file may hold several solids, one after the other.
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-    for (number, line) in text.lines().enumerate() {
-        let line_is = |what: &str| format!("line {}: {what}", number + 1);
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => vertices.push(point(words).ok_or_else(|| line_is("not a vertex"))?),
-            Some("f") => {
-                let corners: Vec<u32> = words
-                    .map(|w| corner(w, vertices.len()).ok_or_else(|| line_is("no such vertex")))
-                    .collect::<Result<_, _>>()?;
-                if corners.len() < 3 {
-                    return Err(line_is("a face needs three corners"));
-                }
-                triangles.extend(corners[1..].windows(2).map(|c| [corners[0], c[0], c[1]]));
-            }
-            _ => {}
+    let mut facets = String::new();
+    for line in text.lines() {
+        if !line.trim_start().starts_with("solid") {
+            facets.push_str(line);
+            facets.push('\n');
         }
+        if line.trim_start().starts_with("endsolid") {
+            let part = solid(format!("solid part\n{}", std::mem::take(&mut facets)).into_bytes())?;
+            append(&mut vertices, &mut triangles, part)?;
+        }
+    }
+    if facets.trim().is_empty() {
+        Ok((vertices, triangles))
+    } else {
+        Err("cut short: there is no 'endsolid'".to_owned())
+    }
+}
+
+fn solid(bytes: Vec<u8>) -> Result<Triangles, String> {
+    let mesh = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|e| e.to_string())?;
+    let vertices = mesh.vertices.iter().map(|v| v.0.map(f64::from)).collect();
+    let triangles = mesh.faces.iter().map(|f| f.vertices.map(|i| i as u32)).collect();
+    Ok((vertices, triangles))
+}
+
+/// An OBJ file, read by `tobj`; its materials are left alone.
+fn obj(bytes: &[u8]) -> Result<Triangles, String> {
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+        ..tobj::LoadOptions::default()
+    };
+    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, |_| Ok(Default::default()))
+        .map_err(|e| e.to_string())?;
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for model in models {
+        let corners = model.mesh.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+        let faces = model.mesh.indices.chunks_exact(3).map(|f| [f[0], f[1], f[2]]).collect();
+        append(&mut vertices, &mut triangles, (corners, faces))?;
     }
     Ok((vertices, triangles))
 }
 
-/// The index of a corner `7`, `7/1/3` or `-1` (counted back from the last vertex).
-fn corner(word: &str, vertices: usize) -> Option<u32> {
-    let index: i64 = word.split('/').next()?.parse().ok()?;
-    let index = if index < 0 { vertices as i64 + index } else { index - 1 };
-    (0..vertices as i64).contains(&index).then_some(index as u32)
-}
-
-fn point<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<[f64; 3]> {
-    let mut next = || words.next()?.parse().ok();
-    Some([next()?, next()?, next()?])
+/// Adds a part to the vertices and triangles of the parts before it.
+pub(super) fn append(
+    vertices: &mut Vec<[f64; 3]>,
+    triangles: &mut Vec<[u32; 3]>,
+    (corners, faces): Triangles,
+) -> Result<(), String> {
+    let first = u32::try_from(vertices.len() + corners.len()).map_err(|_| "too many vertices".to_owned())?
+        - corners.len() as u32;
+    let count = corners.len() as u32;
+    if faces.iter().flatten().any(|i| *i >= count) {
+        return Err("a face names a vertex that is not there".to_owned());
+    }
+    vertices.extend(corners);
+    triangles.extend(faces.into_iter().map(|f| f.map(|i| first + i)));
+    Ok(())
 }

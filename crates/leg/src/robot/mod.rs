@@ -5,24 +5,30 @@
 //! coordinates in the link's frame to the world. As in URDF, a link's frame is the frame of the joint that
 //! carries it, and the joint turns about, or slides along, `axis` in that frame.
 
+mod dae;
+mod elements;
 mod fault;
 mod joint;
 mod kinematics;
 mod link;
 mod load;
+mod mend;
 mod mesh;
 mod mirror;
+mod options;
 mod placement;
 mod placement_file;
 mod sprung_mass;
 mod tree;
 mod urdf;
+mod urdf_parts;
 mod xml;
 
 pub use fault::RobotFault;
 pub use joint::{Joint, JointKind, JointLimits};
 pub use kinematics::{Lever, Posture};
 pub use link::{Geometry, Inertial, Link, Mesh, Shape};
+pub use options::LoadOptions;
 pub use placement::{Drive, HoekensMount, LengthRange, Placement};
 
 use std::path::PathBuf;
@@ -40,7 +46,7 @@ pub struct Robot {
     pub dofs: usize,
     /// The actuators, in the order of the placement file; empty where there is none.
     pub actuators: Vec<Placement>,
-    /// What was read and is not supported, one sentence each.
+    /// What was mended, left out or is not supported, one sentence each with file, line and element.
     pub warnings: Vec<String>,
     /// Where the robot came from.
     pub source: Source,

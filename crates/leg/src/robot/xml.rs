@@ -1,6 +1,6 @@
-//! A first look at a URDF as XML: what urdf-rs would let pass or drop in silence is found here, with its line.
+//! A first look at a URDF as XML: what is missing, is no number or is not supported is found here, with its line.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, HashMap};
 
 use roxmltree::{Document, Node};
 
@@ -12,10 +12,6 @@ use crate::LegError;
 pub(super) struct Survey {
     /// Line of each element by its name in messages, `link 'shank'`.
     lines: BTreeMap<String, u32>,
-    /// Links that have an `<inertial>`.
-    pub inertials: BTreeSet<String>,
-    /// Joints that have a `<limit>`.
-    pub limits: BTreeSet<String>,
     /// What is there and is not supported.
     pub warnings: Vec<String>,
 }
@@ -37,7 +33,7 @@ fn known_children(tag: &str) -> &'static [&'static str] {
         "collision" => &["origin", "geometry"],
         "geometry" => &["box", "cylinder", "capsule", "sphere", "mesh"],
         "material" => &["color"],
-        "joint" => &["origin", "parent", "child", "axis", "limit", "dynamics"],
+        "joint" => &["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"],
         _ => &[],
     }
 }
@@ -71,7 +67,7 @@ fn numbers(tag: &str) -> &'static [(&'static str, usize, bool)] {
         "mesh" => &[("scale", 3, false)],
         "color" => &[("rgba", 4, true)],
         "axis" => &[("xyz", 3, true)],
-        "limit" => &[("lower", 1, false), ("upper", 1, false), ("effort", 1, true), ("velocity", 1, true)],
+        "limit" => &[("lower", 1, false), ("upper", 1, false), ("effort", 1, false), ("velocity", 1, false)],
         "dynamics" => &[("damping", 1, false), ("friction", 1, false)],
         _ => &[],
     }
@@ -83,21 +79,45 @@ fn texts(tag: &str) -> &'static [&'static str] {
         "link" => &["name"],
         "joint" => &["name", "type"],
         "parent" | "child" => &["link"],
+        "mimic" => &["joint"],
         "mesh" => &["filename"],
         _ => &[],
     }
 }
 
-/// Looks over the whole text.
-pub(super) fn survey(text: &str, file: &str) -> Result<Survey, LegError> {
-    let document = Document::parse(text).map_err(|e| LegError::Robot {
+/// Elements inside each other beyond which a file is refused: URDF itself needs five, the plugins of simulators
+/// some ten more.
+const MOST_NESTED: u32 = 256;
+
+/// Reads the text as XML.
+pub(super) fn parse<'a>(text: &'a str, file: &str) -> Result<Document<'a>, LegError> {
+    let fault = |line, fault| LegError::Robot {
         file: file.to_owned(),
-        line: Some(e.pos().row),
+        line: Some(line),
         element: "URDF".to_owned(),
-        fault: Box::new(RobotFault::NotXml(e.to_string())),
-    })?;
+        fault: Box::new(fault),
+    };
+    let document =
+        Document::parse(text).map_err(|e| fault(e.pos().row, RobotFault::NotXml(e.to_string())))?;
+    // Document order: a parent comes before what is in it.
+    let mut depths: HashMap<roxmltree::NodeId, u32> = HashMap::new();
+    for node in document.root_element().descendants().filter(Node::is_element) {
+        let depth = node.parent().and_then(|p| depths.get(&p.id())).map_or(1, |d| d + 1);
+        if depth > MOST_NESTED {
+            return Err(fault(
+                document.text_pos_at(node.range().start).row,
+                RobotFault::NestedTooDeep(MOST_NESTED),
+            ));
+        }
+        depths.insert(node.id(), depth);
+    }
+    Ok(document)
+}
+
+/// Looks over the whole document.
+pub(super) fn survey(document: &Document, file: &str) -> Result<Survey, LegError> {
     let root = document.root_element();
-    let mut look = Look { file, document: &document, found: Survey::default(), unread: BTreeMap::new() };
+    let mut look = Look { file, document, found: Survey::default(), unread: BTreeMap::new() };
     if root.tag_name().name() != "robot" {
         let tag = root.tag_name().name();
         let problem = format!("the outermost element is <{tag}>, not <robot>");
@@ -113,15 +133,15 @@ pub(super) fn survey(text: &str, file: &str) -> Result<Survey, LegError> {
     Ok(look.found)
 }
 
-struct Look<'a> {
+struct Look<'a, 'input> {
     file: &'a str,
-    document: &'a Document<'a>,
+    document: &'a Document<'input>,
     found: Survey,
     /// Elements that are not read, by tag and where: first line and count.
     unread: BTreeMap<(String, String), (u32, usize)>,
 }
 
-impl Look<'_> {
+impl Look<'_, '_> {
     fn line(&self, node: Node) -> u32 {
         self.document.text_pos_at(node.range().start).row
     }
@@ -154,7 +174,7 @@ impl Look<'_> {
             let name = child.tag_name().name();
             if !known_children(tag).contains(&name) {
                 // What is not supported inside a joint or link is named one by one: it changes that joint.
-                let parent = if matches!(name, "mimic" | "safety_controller") || tag == "link" {
+                let parent = if name == "safety_controller" || tag == "link" {
                     place.to_owned()
                 } else {
                     format!("<{tag}>")
@@ -172,23 +192,13 @@ impl Look<'_> {
     /// The name of an element in messages; takes note of links and joints.
     fn place(&mut self, child: Node, parent: &str) -> Result<String, LegError> {
         let tag = child.tag_name().name();
-        let owner = child.parent().and_then(|p| p.attribute("name")).unwrap_or_default().to_owned();
-        match tag {
-            "link" | "joint" => {
-                let name = child.attribute("name").unwrap_or_default();
-                let place = format!("{tag} '{name}'");
-                if !name.is_empty() && self.found.lines.insert(place.clone(), self.line(child)).is_some() {
-                    return Err(self.error(child, place, RobotFault::Duplicate(name.to_owned())));
-                }
-                return Ok(place);
+        if matches!(tag, "link" | "joint") {
+            let name = child.attribute("name").unwrap_or_default();
+            let place = format!("{tag} '{name}'");
+            if !name.is_empty() && self.found.lines.insert(place.clone(), self.line(child)).is_some() {
+                return Err(self.error(child, place, RobotFault::Duplicate(name.to_owned())));
             }
-            "inertial" => {
-                self.found.inertials.insert(owner);
-            }
-            "limit" => {
-                self.found.limits.insert(owner);
-            }
-            _ => {}
+            return Ok(place);
         }
         let place = if parent == "robot" { tag.to_owned() } else { format!("{parent} {tag}") };
         let line = self.line(child);
@@ -214,7 +224,9 @@ impl Look<'_> {
             }
             for word in words {
                 let number: f64 = word.parse().map_err(|_| self.error(node, element(), not_numbers()))?;
-                if !number.is_finite() {
+                // An infinite limit is none.
+                let limit = node.tag_name().name() == "limit" && number.is_infinite();
+                if !number.is_finite() && !limit {
                     let fault = RobotFault::BadValue { value: number, admitted: "finite" };
                     return Err(self.error(node, element(), fault));
                 }

@@ -3,6 +3,8 @@
 use super::{BaseSpec, Motion, Scenario};
 use crate::LegError;
 use crate::error::nearest;
+use crate::robot::{JointKind, Robot};
+use crate::simulation::load_robot;
 use sealegs_actuator::ActuatorError;
 use sealegs_actuator::text::parse_toml;
 use std::path::Path;
@@ -64,6 +66,35 @@ impl Scenario {
         let mut scenario = Self::from_toml(text, &format!("{name_or_path}.toml"), overrides)?;
         scenario.name = name_or_path.to_owned();
         Ok(scenario)
+    }
+
+    /// A scenario for a URDF alone, and its robot: the base is fixed, nobody commands, and the robot falls for a
+    /// second from where all joints are zero. A joint whose limits leave zero out starts at the nearer of them, with
+    /// a remark.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::load`] for the overrides, and what is wrong with the robot.
+    pub fn for_robot(urdf: &str, overrides: &[String]) -> Result<(Self, Robot), LegError> {
+        let text = format!("robot = {}\nduration_s = 1.0\n", toml::Value::from(urdf));
+        let mut scenario = Self::from_toml(&text, urdf, overrides)?;
+        scenario.name =
+            Path::new(urdf).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        let mut robot = load_robot(&scenario)?;
+        let mut moved = Vec::new();
+        for joint in robot.moving_joints() {
+            let nearest = 0.0_f64.clamp(joint.limits.lower, joint.limits.upper);
+            if nearest != 0.0 && !scenario.start.posture_rad.contains_key(&joint.name) {
+                let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+                moved.push(format!("'{}' at {nearest} {unit}", joint.name));
+                scenario.start.posture_rad.insert(joint.name.clone(), nearest);
+            }
+        }
+        if !moved.is_empty() {
+            let what = "joints whose limits leave zero out start at the nearer limit";
+            robot.warnings.push(format!("{urdf}: {what}: {}", moved.join(", ")));
+        }
+        Ok((scenario, robot))
     }
 
     /// Reads a scenario from text; `file` is named in messages.

@@ -34,6 +34,9 @@ pub struct Scenario {
     /// Left becomes right: the mirror image of the robot about its x-z plane.
     #[serde(default)]
     pub mirrored: bool,
+    /// Refuses a URDF that would have to be mended (see [`LoadOptions::strict`](crate::robot::LoadOptions)).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub strict: bool,
     /// Duration, s.
     pub duration_s: f64,
     /// Integration step, s.

@@ -4,6 +4,7 @@
 //! and only then completes what is known of `t_n`: load cells need the accelerations, and velocities at
 //! `t_n` are the mean of those half a step before and after (see the engine's leapfrog).
 
+mod bodies;
 mod ledger;
 mod sample;
 mod setup;
@@ -119,7 +120,8 @@ impl Simulation {
             }
         }
         let controller = Controller::new(scenario, &leg, &start_q, known_bodies)?;
-        let stops = Stops::new(StopLaw::from(scenario.stops), &stops, &leg.robot, &tree, &engine);
+        let stops =
+            Stops::new(StopLaw::from(scenario.stops), &stops, &leg.robot, &tree, &engine, scenario.step_s);
         let count = actuators.len();
         let mut simulation = Self {
             watch: Watch::new(&leg),

@@ -8,7 +8,7 @@ use crate::dynamics::drive::{Servo, ServoLaw};
 use crate::dynamics::engine::{Base, Engine};
 use crate::dynamics::tree::Tree;
 use crate::error::nearest;
-use crate::robot::{Drive, Inertial, Robot};
+use crate::robot::{Drive, Inertial, LoadOptions, Robot};
 use crate::scenario::{BaseSpec, Scenario};
 use nalgebra::{Isometry3, Translation3};
 use sealegs_actuator::{ActuatorSpec, Coefficients, Configuration};
@@ -35,7 +35,9 @@ pub(crate) fn load_robot(scenario: &Scenario) -> Result<Robot, LegError> {
         _ => Path::new(file).to_owned(),
     };
     let placement = scenario.placement.as_deref().map(beside);
-    let robot = Robot::load(&beside(&scenario.robot).to_string_lossy(), placement.as_deref())?;
+    let options = LoadOptions { strict: scenario.strict, ..LoadOptions::from_environment() };
+    let name = beside(&scenario.robot);
+    let robot = Robot::load_with(&name.to_string_lossy(), placement.as_deref(), &options)?;
     Ok(if scenario.mirrored { robot.mirrored() } else { robot })
 }
 
@@ -87,7 +89,9 @@ impl Parts {
         let start_speed = by_joint(&scenario.start.speed_rad_s);
         robot.check_strokes(&start_q, "the scenario's start")?;
 
-        let points = all_sole_points(&robot, &tree);
+        // A robot that hangs in the air needs none, and hulls of fine meshes take their time.
+        let lands = scenario.ground.is_some() || matches!(scenario.base, BaseSpec::Rail { .. });
+        let points = if lands { all_sole_points(&robot, &tree) } else { Vec::new() };
         let ground = scenario.ground.map(Ground::from);
         let (base, height) = match scenario.base {
             BaseSpec::Fixed { height_m } => (Base::Fixed, height_m),

@@ -3,12 +3,13 @@
 mod assets;
 mod bad_placement;
 mod bad_urdf;
+mod faults;
 mod kinematics;
 mod meshes;
 mod reading;
 
 use sealegs_leg::LegError;
-use sealegs_leg::robot::{Robot, RobotFault};
+use sealegs_leg::robot::{LoadOptions, Robot, RobotFault};
 
 /// A link with sensible mass properties.
 fn link(name: &str) -> String {
@@ -41,6 +42,12 @@ fn leg() -> String {
 /// What is wrong with a URDF: line, element, fault.
 fn refusal(urdf: &str) -> (Option<u32>, String, RobotFault) {
     taken_apart(Robot::from_urdf(urdf, "r.urdf", None).expect_err("must be refused"))
+}
+
+/// As [`refusal`], of what a strict reader refuses and others mend.
+fn strict_refusal(urdf: &str) -> (Option<u32>, String, RobotFault) {
+    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    taken_apart(Robot::from_urdf_with(urdf, "r.urdf", None, &strict).expect_err("must be refused"))
 }
 
 fn taken_apart(error: LegError) -> (Option<u32>, String, RobotFault) {

@@ -48,6 +48,40 @@ fn obj() -> Vec<u8> {
     text.into_bytes()
 }
 
+/// In millimetres, the corners halved and then doubled by the scene's node, one face a polygon of its own.
+fn dae() -> Vec<u8> {
+    let corners: String = CORNERS.iter().flatten().map(|v| format!("{} ", 500.0 * v)).collect();
+    let pair = |i: usize| format!("{i} 0 ");
+    let list = |faces: &[[usize; 3]]| faces.iter().flatten().map(|i| pair(*i)).collect::<String>();
+    let inputs = "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>\
+        <input semantic=\"NORMAL\" source=\"#n\" offset=\"1\"/>";
+    format!(
+        "<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">\
+         <asset><unit meter=\"0.001\" name=\"millimeter\"/><up_axis>Y_UP</up_axis></asset>\
+         <library_geometries><geometry id=\"g\"><mesh>\
+         <source id=\"p\"><float_array id=\"a\" count=\"12\">{corners}</float_array><technique_common>\
+         <accessor source=\"#a\" count=\"4\" stride=\"3\"/></technique_common></source>\
+         <vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>\
+         <triangles count=\"3\">{inputs}<p>{}</p></triangles>\
+         <polylist count=\"1\">{inputs}<vcount>3</vcount><p>{}</p></polylist>\
+         </mesh></geometry></library_geometries>\
+         <library_visual_scenes><visual_scene id=\"s\"><node><translate>10 20 30</translate>\
+         <rotate>0 0 1 90</rotate><node><scale>2 2 2</scale><instance_geometry url=\"#g\"/></node></node>\
+         </visual_scene></library_visual_scenes>\
+         <scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>",
+        list(&FACES[..3]),
+        list(&FACES[3..]),
+    )
+    .into_bytes()
+}
+
+/// The same with one part of it replaced.
+fn dae_with(part: &str, other: &str) -> Vec<u8> {
+    let text = String::from_utf8(dae()).expect("text");
+    assert!(text.contains(part), "{part}");
+    text.replacen(part, other, 1).into_bytes()
+}
+
 /// Volume enclosed by the triangles by the divergence theorem: its sign tells the winding.
 fn volume(mesh: &Mesh) -> f64 {
     let corner = |i: u32| nalgebra::Vector3::from(mesh.vertices[i as usize]);
@@ -60,7 +94,8 @@ fn with_mesh(folder: &Path, filename: &str, scale: &str) -> Result<Robot, LegErr
     );
     let urdf = folder.join("leg.urdf");
     fs::write(&urdf, leg().replacen("</link>", &mesh, 1)).expect("writable");
-    Robot::load(urdf.to_str().expect("a plain path"), None)
+    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    Robot::load_with(urdf.to_str().expect("a plain path"), None, &strict)
 }
 
 fn mesh_of(robot: &Robot) -> &Mesh {
@@ -86,6 +121,55 @@ fn analytic_volume_in_every_form() {
 }
 
 #[test]
+fn analytic_collada_at_the_place_that_its_scene_gives_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("d.dae"), dae()).expect("writable");
+    let robot = with_mesh(folder.path(), "d.dae", "1 1 1").expect("readable");
+    let mesh = mesh_of(&robot);
+    assert_eq!(mesh.triangles.len(), 4);
+    assert!((volume(mesh) - 1.0 / 6.0).abs() < 1e-12, "{}", volume(mesh));
+    // A quarter turn takes x to y; the node's offset is in millimetres as well.
+    let moved = |c: [f32; 3]| [0.01 - f64::from(c[1]), 0.02 + f64::from(c[0]), 0.03 + f64::from(c[2])];
+    for corner in CORNERS.map(moved) {
+        let near = |v: &[f64; 3]| v.iter().zip(&corner).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(mesh.vertices.iter().any(near), "{corner:?} in {:?}", mesh.vertices);
+    }
+}
+
+#[test]
+fn several_solids_in_one_text_are_one_mesh() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("two.stl"), [text_stl(), text_stl()].concat()).expect("writable");
+    let robot = with_mesh(folder.path(), "two.stl", "1 1 1").expect("readable");
+    assert_eq!(mesh_of(&robot).triangles.len(), 8);
+}
+
+#[test]
+fn packages_are_found_where_options_say() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (urdfs, share) = (folder.path().join("urdf"), folder.path().join("install/share"));
+    let stack = folder.path().join("src/stack");
+    fs::create_dir_all(&urdfs).expect("writable");
+    for package in [share.join("one"), stack.join("two")] {
+        fs::create_dir_all(package.join("meshes")).expect("writable");
+        fs::write(package.join("meshes/t.stl"), text_stl()).expect("writable");
+    }
+    let urdf = urdfs.join("leg.urdf");
+    let load = |package: &str, package_folders: Vec<std::path::PathBuf>| {
+        let mesh = format!(
+            "<visual><geometry><mesh filename=\"package://{package}/meshes/t.stl\"/></geometry></visual></link>"
+        );
+        fs::write(&urdf, leg().replacen("</link>", &mesh, 1)).expect("writable");
+        let options = LoadOptions { strict: true, package_folders };
+        Robot::load_with(urdf.to_str().expect("plain"), None, &options)
+    };
+    assert!(load("one", Vec::new()).is_err());
+    assert!(load("one", vec![share.clone()]).is_ok(), "in a folder of packages");
+    assert!(load("one", vec![share.join("one")]).is_ok(), "the package itself");
+    assert!(load("two", vec![share, folder.path().join("src")]).is_ok(), "in a stack");
+}
+
+#[test]
 fn packages_are_found_around_the_urdf() {
     let folder = tempfile::tempdir().expect("a folder");
     let urdfs = folder.path().join("my_robot/urdf");
@@ -108,17 +192,22 @@ fn meshes_that_cannot_be_read() {
         ("a.stl", b"nothing".to_vec(), "neither a binary nor a text STL"),
         ("b.stl", cut, "cut short"),
         ("c.stl", b"solid empty\nendsolid".to_vec(), "no triangle"),
-        ("d.stl", b"solid\nvertex 1 2\nendsolid".to_vec(), "line 2: not a vertex"),
+        ("d.stl", b"solid\nvertex 1 2\nendsolid".to_vec(), "invalid facet header"),
         ("e.stl", binary_stl()[..150].to_vec(), "neither a binary nor a text STL"),
         (
             "f.stl",
             String::from_utf8(text_stl()).expect("text").replace("vertex 1e0", "vertex nan").into(),
             "NaN",
         ),
-        ("j.stl", b"solid\nvertex 1 2 3\nendsolid".to_vec(), "1 corners do not make triangles"),
-        ("g.obj", b"v 0 0 0\nf 1 2 3\n".to_vec(), "line 2: no such vertex"),
-        ("h.obj", b"v 0 0\n".to_vec(), "line 1: not a vertex"),
-        ("i.obj", b"v 0 0 0\nv 1 0 0\nf 1 2\n".to_vec(), "line 3: a face needs three corners"),
+        ("g.obj", b"v 0 0 0\nf 1 2 3\n".to_vec(), "out of bounds"),
+        ("h.obj", b"v 0 0\n".to_vec(), "position parse error"),
+        ("i.obj", b"v 0 0 0\nv 1 0 0\nf 1 2\n".to_vec(), "no triangle"),
+        ("k.dae", b"<mesh/>".to_vec(), "<mesh>, not <COLLADA>"),
+        ("l.dae", dae_with("<vcount>3</vcount>", "<vcount>4</vcount>"), "beyond its <p>"),
+        ("m.dae", dae_with("<p>0 0 2 0", "<p>0 0 9 0"), "a vertex that is not there"),
+        ("n.dae", dae_with("<p>0 0 2 0", "<p>0 0 x 0"), "'x' in <p> is no number"),
+        ("o.dae", dae_with("#g\"/></node>", "#g\"/><instance_node url=\"#s\"/></node>"), "have no end"),
+        ("p.dae", dae_with("<scale>2 2 2</scale>", "<scale>2</scale>"), "<scale> with 1 numbers"),
     ] {
         fs::write(folder.path().join(name), bytes).expect("writable");
         let (line, element, fault) = taken_apart(with_mesh(folder.path(), name, "1 1 1").expect_err(name));

@@ -111,7 +111,7 @@ fn what_is_not_supported_is_named_with_its_line() {
         .replacen("<axis", "<safety_controller k_velocity=\"1\"/><axis", 1);
     let warnings = read(&urdf).warnings;
     for wanted in [
-        "r.urdf:5: <mimic> in joint 'hip' is not supported",
+        "r.urdf:5: joint 'hip' mimic: following joint 'knee' is not supported: it moves on its own",
         "r.urdf:5: <safety_controller> in joint 'hip' is not supported",
         "r.urdf:7: <transmission> in <robot> is not supported",
         "r.urdf:8: <gazebo> in <robot> is not supported and was not read (and 1 more)",
@@ -125,16 +125,18 @@ fn what_is_not_supported_is_named_with_its_line() {
 fn odd_limits_meshes_and_materials_are_named() {
     let urdf = leg().replacen("effort=\"100\"", "effort=\"0\"", 1).replacen(
         "</link>",
-        "<visual><geometry><mesh filename=\"a.dae\"/></geometry><material name=\"nowhere\"/></visual></link>",
+        "<visual><geometry><mesh filename=\"a.ply\"/></geometry><material name=\"nowhere\"/></visual></link>",
         1,
     );
     let robot = read(&urdf);
     assert_eq!(robot.joints[0].limits.effort, f64::INFINITY);
     assert!(robot.links[0].visuals.is_empty());
     let all = robot.warnings.join("\n");
-    for wanted in
-        ["effort limit 0 is read as none", "'a.dae' is neither STL nor OBJ", "'nowhere' has no colour"]
-    {
+    for wanted in [
+        "effort limit 0 is read as none",
+        "mesh 'a.ply': neither STL nor OBJ nor DAE: left out",
+        "'nowhere' has no colour",
+    ] {
         assert!(all.contains(wanted), "{wanted}: {all}");
     }
 }
