@@ -4,7 +4,7 @@ use crate::bench_model;
 use sealegs_actuator::bench::BenchModel;
 use sealegs_model::Model;
 use sealegs_reference::campaign::{Hidden, Made, Order, Rig, reach};
-use sealegs_sysid::campaign::{Clock, NoiseOrigin, NoiseStd};
+use sealegs_sysid::campaign::{Clock, LeftOut, NoiseOrigin, NoiseStd};
 use sealegs_sysid::fit::{self, FitOptions};
 use sealegs_sysid::{Bench, Campaign, Data, Role, Run};
 use std::path::PathBuf;
@@ -80,6 +80,7 @@ pub fn campaign_of(made: &Made) -> anyhow::Result<(Campaign, BenchModel)> {
         role: if made.holdout { Role::Holdout } else { Role::Fit },
         scenario: None,
         scored: 0..made.record.len(),
+        left_out: LeftOut::default(),
         unknown: Vec::new(),
         clock: Clock::of(&made.record.time_s, None),
         path: PathBuf::from(&made.record.name),

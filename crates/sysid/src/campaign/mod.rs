@@ -12,17 +12,19 @@ mod clock;
 mod csv_table;
 mod fence;
 mod file;
+mod left_out;
 mod noise;
 mod parquet_table;
 mod table;
 
 pub use clock::{Clock, Gap};
+pub use left_out::{LeftOut, RARE, Spikes};
 pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
 
 use crate::nuisance::SensorPrior;
 use crate::{Error, stats};
 use rayon::prelude::*;
-use sealegs_model::{Model, Record, Signal};
+use sealegs_model::{Model, Record, Signal, Unit};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -98,12 +100,24 @@ pub struct Run {
     pub record: Record,
     /// The rows that count for errors (`from_s`, `to_s`); the model still simulates from the first row.
     pub scored: Range<usize>,
+    /// Rows among them that do not count after all: repeated ones and spikes.
+    pub left_out: LeftOut,
     /// Columns that no bench knows, kept as they are.
     pub unknown: Vec<Signal>,
     /// How regular the time stamps are.
     pub clock: Clock,
     /// Where it was read from.
     pub path: PathBuf,
+}
+
+impl Run {
+    /// The rows that count for errors, those that are left out taken away; all, where hardly a row would stay.
+    #[must_use]
+    pub fn counted(&self) -> Vec<Range<usize>> {
+        let counted = self.left_out.counted(self.scored.clone());
+        let rows: usize = counted.iter().map(Range::len).sum();
+        if rows < FEWEST_ROWS { vec![self.scored.clone()] } else { counted }
+    }
 }
 
 /// Everything that a campaign's files say.
@@ -195,7 +209,17 @@ impl Campaign {
                 }
                 let clock = Clock::of(&record.time_s, description.sample_rate_hz);
                 let scenario = run.scenario.clone();
-                Ok(Run { role: run.role, scenario, record, scored, unknown: table.unknown, clock, path })
+                let left_out = LeftOut::of(&record);
+                Ok(Run {
+                    role: run.role,
+                    scenario,
+                    record,
+                    scored,
+                    left_out,
+                    unknown: table.unknown,
+                    clock,
+                    path,
+                })
             })
             .collect();
         let runs = runs.into_iter().collect::<Result<Vec<Run>, Error>>()?;
@@ -336,7 +360,7 @@ impl Campaign {
     pub fn peak(&self, channel: &str) -> f64 {
         let of = |run: &Run| {
             let values = run.record.output(channel)?;
-            Some(values[run.scored.clone()].iter().fold(0.0f64, |p, v| p.max(v.abs())))
+            Some(run.counted().into_iter().flatten().fold(0.0f64, |p, i| p.max(values[i].abs())))
         };
         let fitted = self.runs_of(Role::Fit).filter_map(of).fold(0.0, f64::max);
         if fitted > 0.0 { fitted } else { self.runs.iter().filter_map(of).fold(0.0, f64::max) }
@@ -356,8 +380,9 @@ fn scored_rows(time_s: &[f64], from_s: Option<f64>, to_s: Option<f64>) -> Option
     (start + FEWEST_ROWS <= end).then_some(start..end)
 }
 
-/// A jump from the first row to the second beyond this many times the noise, and this share of all that the
-/// channel does, is no answer to the first command: the rig was in motion.
+/// A jump of a sensor from the first row to the second beyond this many times the noise, and this share of all that the
+/// channel does, is no answer to the first command: the rig was in motion. A drive's current is none of the rig's motion:
+/// it jumps to whatever the controller begins with.
 const IN_MOTION: (f64, f64) = (20.0, 0.02);
 
 /// Share of a run that begins in motion that does not count: models begin at rest, and forget that.
@@ -366,7 +391,8 @@ const FORGOTTEN: f64 = 0.05;
 /// Leaves the beginning of a run that begins in motion out of what counts, unless the campaign says where to begin;
 /// returns a remark.
 fn skip_start_in_motion(run: &mut Run, noise: &[NoiseStd]) -> Option<String> {
-    let moves = run.record.outputs.iter().any(|s| {
+    let sensors = run.record.outputs.iter().filter(|s| Unit::of_channel(&s.channel) != Ok(Unit::Ampere));
+    let moves = sensors.filter(|s| !run.left_out.has_spike(&s.channel, 0..2)).any(|s| {
         let std = noise.iter().find(|n| n.channel == s.channel).map_or(0.0, |n| n.std);
         let (low, high) = s.values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
         let jump = (s.values[1] - s.values[0]).abs();

@@ -1,0 +1,465 @@
+//! Every column against the nominal model's prediction of it: signs, units, exchanged, dead and clipped columns.
+
+use super::pair::{Line, Pair};
+use super::policy::{EXCITED, ODD_SLOPE, SWAPPED_SLOPE};
+use super::units::{are_counts, probable, short};
+use super::{Finding, Problem, Severity, finding, offset};
+use crate::{Campaign, Data, stats};
+use sealegs_model::{Model, Prediction, Unit};
+
+/// Integration steps per sampling period, as in a search: a sign needs no more.
+const STEPS_PER_SAMPLE: f64 = 4.0;
+
+/// A column that never changes is dead only if its prediction moves by this share of what the columns of its unit do: of
+/// zero noise everything is a multiple.
+const RELEVANT: f64 = 0.01;
+
+/// A dead column shows no more than this many times its noise, nor this share of its prediction's motion.
+const DEAD: (f64, f64) = (2.0, 0.02);
+
+/// Correlation from which a column follows its model: the rig moves.
+const FOLLOWS: f64 = 0.5;
+
+/// A column stands at its extreme if the model goes beyond by this share of its range on half of those rows; nominal
+/// parameters bend a prediction by less.
+const BEYOND_EXTREME: f64 = 0.1;
+
+/// A pair with the line through it.
+pub(super) struct Seen<'a> {
+    pub pair: Pair<'a>,
+    pub line: Line,
+    /// Explained already: its sign, unit or name is wrong, or it is dead.
+    pub judged: bool,
+}
+
+impl Seen<'_> {
+    /// Whether the prediction moves far enough beyond the noise to compare anything with it.
+    pub fn moves(&self) -> bool {
+        self.line.predicted > EXCITED * self.pair.noise
+    }
+}
+
+/// One column's problem in one run.
+struct Mark {
+    run: usize,
+    strength: f64,
+    line: Line,
+}
+
+pub(super) fn look(campaign: &Campaign, model: &dyn Model) -> Vec<Finding> {
+    let Ok(data) = Data::new(campaign, None, model) else { return Vec::new() };
+    let coarse = model.coarser(STEPS_PER_SAMPLE);
+    let nominal: Vec<f64> = coarse.parameters().iter().map(|p| p.value).collect();
+    let predictions: Vec<Result<Prediction, crate::Error>> = {
+        use rayon::prelude::*;
+        (0..data.runs.len()).into_par_iter().map(|r| data.predict_run(r, coarse.as_ref(), &nominal)).collect()
+    };
+    let mut found = Vec::new();
+    let failed: Vec<String> =
+        predictions.iter().filter_map(|p| p.as_ref().err()).map(ToString::to_string).collect();
+    if let Some(first) = failed.first() {
+        found.extend(finding(
+            Problem::NotSimulated,
+            failed.len() as f64,
+            Severity::Stops,
+            "",
+            format!("the nominal model cannot follow {} of {} runs: {first}", failed.len(), data.runs.len()),
+            "compare the unit of the command with its column's name, and the model file with the rig"
+                .to_owned(),
+        ));
+    }
+    let mut seen = Vec::new();
+    for (run, prediction) in data.runs.iter().zip(&predictions) {
+        let Ok(prediction) = prediction else { continue };
+        for (slot, name) in run.names.iter().enumerate() {
+            let Some(predicted) = prediction.output(name) else { continue };
+            let channel = &data.channels[run.channels[slot]];
+            let pair = Pair {
+                run: run.index,
+                channel: &channel.name,
+                noise: channel.noise_std,
+                measured: run.measured[slot],
+                predicted,
+                rows: run.scored.clone(),
+            };
+            let line = pair.line(0, 1);
+            seen.push(Seen { pair, line, judged: false });
+        }
+    }
+    found.extend(dead(campaign, &mut seen));
+    found.extend(swapped(campaign, &mut seen));
+    found.extend(signs_and_units(campaign, &mut seen));
+    found.extend(clipped(campaign, &seen));
+    found.extend(offset::look(campaign, &seen));
+    found
+}
+
+/// The names of columns in the order of their first appearance, each with its pairs.
+pub(super) fn by_channel<'s, 'a>(seen: &'s [Seen<'a>]) -> Vec<(&'a str, Vec<&'s Seen<'a>>)> {
+    let mut all: Vec<(&str, Vec<&Seen>)> = Vec::new();
+    for s in seen {
+        match all.iter_mut().find(|(c, _)| *c == s.pair.channel) {
+            Some((_, of)) => of.push(s),
+            None => all.push((s.pair.channel, vec![s])),
+        }
+    }
+    all
+}
+
+/// `in all 4 runs`, `in fit.csv and check.csv`.
+pub(super) fn in_runs(campaign: &Campaign, runs: &[usize], of: usize) -> String {
+    let names: Vec<&str> = runs.iter().map(|&r| campaign.runs[r].record.name.as_str()).collect();
+    match names.as_slice() {
+        [one] if of == 1 => format!("in {one}"),
+        all if all.len() == of => format!("in all {of} runs"),
+        [first @ .., last] if !first.is_empty() => format!("in {} and {last}", first.join(", ")),
+        other => format!("in {} only", other.concat()),
+    }
+}
+
+fn unit(channel: &str) -> &'static str {
+    Unit::of_channel(channel).map_or("", Unit::symbol)
+}
+
+fn dead(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
+    let moved_most: Vec<f64> = seen
+        .iter()
+        .map(|s| {
+            let alike = |o: &&Seen| o.pair.run == s.pair.run && unit(o.pair.channel) == unit(s.pair.channel);
+            seen.iter().filter(alike).map(|o| o.line.predicted).fold(0.0, f64::max)
+        })
+        .collect();
+    for (s, most) in seen.iter_mut().zip(moved_most) {
+        let still = s.line.measured <= (DEAD.0 * s.pair.noise).min(DEAD.1 * s.line.predicted);
+        s.judged = s.moves() && still && s.line.predicted > RELEVANT * most;
+    }
+    let mut found = Vec::new();
+    for (channel, of) in by_channel(seen) {
+        let still: Vec<&&Seen> = of.iter().filter(|s| s.judged).collect();
+        if still.is_empty() {
+            continue;
+        }
+        let runs: Vec<usize> = still.iter().map(|s| s.pair.run).collect();
+        // A rig that sticks is no broken sensor: something else must follow the model in the same run.
+        let rig_moves = |run: usize| {
+            seen.iter().any(|o| o.pair.run == run && o.moves() && o.line.correlation.abs() > FOLLOWS)
+        };
+        // A joint or a rotor may stick in one run, at small commands; a load cell has its noise even then.
+        let counted = campaign.noise_std(channel).is_some_and(|n| n.quantum.is_some());
+        let sure = runs.iter().all(|r| rig_moves(*r)) && (still.len() == of.len() || !counted);
+        let strengths: Vec<f64> = still.iter().map(|s| s.line.predicted / s.pair.noise).collect();
+        let (shown, wanted) = (
+            still.iter().map(|s| s.line.measured).fold(0.0, f64::max),
+            still.iter().map(|s| s.line.predicted).fold(0.0, f64::max),
+        );
+        found.extend(finding(
+            Problem::DeadColumn,
+            stats::median(&strengths),
+            if sure { Severity::Stops } else { Severity::Remark },
+            channel,
+            format!(
+                "`{channel}` moves by {} {} (rms) where the model moves by {}, {}: dead?",
+                short(shown),
+                unit(channel),
+                short(wanted),
+                in_runs(campaign, &runs, of.len())
+            ),
+            format!("look at the sensor and its cable, or take the column `{channel}` out of the file"),
+        ));
+    }
+    found
+}
+
+/// Standard deviation of measured less predicted values.
+fn apart(measured: &Pair, predicted: &Pair) -> f64 {
+    let rows = measured.rows.iter().cloned().flatten();
+    stats::std(&rows.map(|i| measured.measured[i] - predicted.predicted[i]).collect::<Vec<_>>())
+}
+
+/// How much better two columns of a run fit each other's prediction than their own; 1 or less where they do not.
+pub(super) fn exchange(a: &Seen, b: &Seen) -> f64 {
+    let cross = |m: &Pair, p: &Pair| {
+        let rows = m.rows.iter().cloned().flatten();
+        Line::through(rows.map(|i| (p.predicted[i], m.measured[i])))
+    };
+    let like_one = |line: Line| {
+        line.correlation > FOLLOWS && (1.0 / SWAPPED_SLOPE..=SWAPPED_SLOPE).contains(&line.slope)
+    };
+    if !like_one(cross(&a.pair, &b.pair)) || !like_one(cross(&b.pair, &a.pair)) {
+        return 0.0;
+    }
+    let better = |m: &Pair, other: &Pair| {
+        let (own, theirs) = (apart(m, m), apart(m, other));
+        // What is within the noise of its own prediction is where it belongs.
+        if own < EXCITED * m.noise { 0.0 } else { own / theirs.max(f64::MIN_POSITIVE) }
+    };
+    better(&a.pair, &b.pair).min(better(&b.pair, &a.pair))
+}
+
+fn swapped(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
+    let mut pairs: Vec<(String, String, Vec<Mark>, Vec<usize>)> = Vec::new();
+    for i in 0..seen.len() {
+        for j in i + 1..seen.len() {
+            let (a, b) = (&seen[i], &seen[j]);
+            if a.pair.run != b.pair.run
+                || a.judged
+                || b.judged
+                || !(a.moves() && b.moves())
+                || unit(a.pair.channel) != unit(b.pair.channel)
+            {
+                continue;
+            }
+            let strength = exchange(a, b);
+            if super::policy::severity(Problem::SwappedColumns, strength).is_none() {
+                continue;
+            }
+            let mark = Mark { run: a.pair.run, strength, line: a.line };
+            let at = pairs.iter().position(|p| p.0 == a.pair.channel && p.1 == b.pair.channel);
+            let at = at.unwrap_or_else(|| {
+                pairs.push((a.pair.channel.to_owned(), b.pair.channel.to_owned(), Vec::new(), Vec::new()));
+                pairs.len() - 1
+            });
+            pairs[at].2.push(mark);
+            pairs[at].3.extend([i, j]);
+        }
+    }
+    let mut found = Vec::new();
+    for (a, b, marks, at) in pairs {
+        at.into_iter().for_each(|k| seen[k].judged = true);
+        let runs: Vec<usize> = marks.iter().map(|m| m.run).collect();
+        let of = seen.iter().filter(|s| s.pair.channel == a && s.moves()).count();
+        let strength = stats::median(&marks.iter().map(|m| m.strength).collect::<Vec<_>>());
+        found.extend(finding(
+            Problem::SwappedColumns,
+            strength,
+            Severity::Stops,
+            &a,
+            format!(
+                "`{a}` and `{b}` fit each other's prediction {} times better than their own, {}: exchanged?",
+                short(strength),
+                in_runs(campaign, &runs, of)
+            ),
+            format!("exchange the names of `{a}` and `{b}` in the header"),
+        ));
+    }
+    found
+}
+
+/// What a line says of a column: a problem with its strength.
+fn of_line(s: &Seen) -> Option<(Problem, f64)> {
+    let (r, slope) = (s.line.correlation, s.line.slope);
+    let worth = |problem, strength| super::policy::severity(problem, strength).map(|_| (problem, strength));
+    if !(1.0 / ODD_SLOPE..=ODD_SLOPE).contains(&slope.abs()) {
+        let known = probable(s.pair.channel, slope).is_some() || are_counts(s.pair.measured);
+        let unit = known.then(|| worth(Problem::UnitFactor, r.abs())).flatten();
+        if let Some(found) = unit.or_else(|| worth(Problem::OddScale, r.abs())) {
+            return Some(found);
+        }
+    }
+    worth(Problem::FlippedSign, -r)
+}
+
+fn signs_and_units(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
+    let told: Vec<Option<(Problem, f64)>> =
+        seen.iter().map(|s| if s.judged || !s.moves() { None } else { of_line(s) }).collect();
+    let mut found = Vec::new();
+    let all_of_command = command(campaign, seen, &told, &mut found);
+    for (channel, of) in by_channel(seen) {
+        let moving = of.iter().filter(|s| s.moves()).count();
+        for problem in [Problem::FlippedSign, Problem::UnitFactor, Problem::OddScale] {
+            let marks: Vec<Mark> = seen
+                .iter()
+                .zip(&told)
+                .filter(|(s, _)| s.pair.channel == channel && !all_of_command.contains(&s.pair.run))
+                .filter_map(|(s, told)| {
+                    let (p, strength) = (*told)?;
+                    (p == problem).then_some(Mark { run: s.pair.run, strength, line: s.line })
+                })
+                .collect();
+            let counts = of.iter().all(|s| are_counts(s.pair.measured));
+            found.extend(of_marks(campaign, problem, channel, &marks, moving, counts));
+        }
+    }
+    for (s, told) in seen.iter_mut().zip(told) {
+        s.judged |= told.is_some();
+    }
+    found
+}
+
+/// The finding of one column's marks.
+fn of_marks(
+    campaign: &Campaign,
+    problem: Problem,
+    channel: &str,
+    marks: &[Mark],
+    moving: usize,
+    counts: bool,
+) -> Option<Finding> {
+    let middle = |of: fn(&Mark) -> f64| stats::median(&marks.iter().map(of).collect::<Vec<_>>());
+    let (slope, r) = (middle(|m| m.line.slope), middle(|m| m.line.correlation));
+    let runs: Vec<usize> = marks.iter().map(|m| m.run).collect();
+    let place = if marks.is_empty() { return None } else { in_runs(campaign, &runs, moving) };
+    let sign = if slope < 0.0 { "-" } else { "" };
+    let (evidence, cure) = match problem {
+        Problem::FlippedSign => (
+            format!(
+                "`{channel}` runs against the model with slope {slope:.2} (correlation {r:.3}) {place}: sign?"
+            ),
+            format!("negate `{channel}`; positive is compression, a longer screw, a flexed joint"),
+        ),
+        Problem::UnitFactor if counts => (
+            format!(
+                "`{channel}` holds whole numbers only, {} times what the model says (correlation {r:.3}) {place}: counts?",
+                short(slope)
+            ),
+            format!("divide `{channel}` by {sign}{} counts per {}", short(slope.abs()), unit(channel)),
+        ),
+        Problem::UnitFactor => {
+            let (factor, name) = probable(channel, slope)?;
+            let times = if slope < 0.0 { ", and against it" } else { "" };
+            (
+                format!(
+                    "`{channel}` is {} times what the model says{times} (correlation {r:.3}) {place}: {name}?",
+                    short(slope.abs())
+                ),
+                format!("divide `{channel}` by {sign}{}; its name says {}", short(factor), unit(channel)),
+            )
+        }
+        _ => (
+            format!("`{channel}` is {} times what the model says (correlation {r:.3}) {place}", short(slope)),
+            "compare the sensor's scale and the actuator's file with the rig".to_owned(),
+        ),
+    };
+    finding(problem, middle(|m| m.strength), Severity::Stops, channel, evidence, cure)
+}
+
+/// Where every column of a run is off in the same way the command is: returns the runs that this explains.
+fn command(
+    campaign: &Campaign,
+    seen: &[Seen],
+    told: &[Option<(Problem, f64)>],
+    found: &mut Vec<Finding>,
+) -> Vec<usize> {
+    let mut runs: Vec<(usize, f64, f64)> = Vec::new();
+    for (index, run) in campaign.runs.iter().enumerate() {
+        let own: Vec<(&Seen, Option<(Problem, f64)>)> = seen
+            .iter()
+            .zip(told.iter().copied())
+            .filter(|(s, _)| s.pair.run == index && s.moves() && !s.judged)
+            .collect();
+        if run.record.inputs.len() != 1 || own.len() < 2 || own.iter().any(|(_, t)| t.is_none()) {
+            continue;
+        }
+        let slopes: Vec<f64> = own.iter().map(|(s, _)| s.line.slope).collect();
+        let (low, high) =
+            slopes.iter().fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(s.abs()), b.max(s.abs())));
+        let one_way = slopes.iter().all(|s| s.signum() == slopes[0].signum());
+        if one_way && high < ODD_SLOPE * low {
+            let r = stats::median(&own.iter().map(|(s, _)| s.line.correlation.abs()).collect::<Vec<_>>());
+            runs.push((index, stats::median(&slopes), r));
+        }
+    }
+    let Some(&(first, ..)) = runs.first() else { return Vec::new() };
+    let slope = stats::median(&runs.iter().map(|r| r.1).collect::<Vec<_>>());
+    let r = stats::median(&runs.iter().map(|r| r.2).collect::<Vec<_>>());
+    let explained: Vec<usize> = runs.iter().map(|r| r.0).collect();
+    let channel = campaign.runs[first].record.inputs[0].channel.clone();
+    let place = in_runs(campaign, &explained, campaign.runs.len());
+    let sign = if slope < 0.0 { "-" } else { "" };
+    let odd = !(1.0 / ODD_SLOPE..=ODD_SLOPE).contains(&slope.abs());
+    let (problem, evidence, cure) = match probable(&channel, 1.0 / slope).filter(|_| odd) {
+        Some((factor, name)) => (
+            Problem::UnitFactor,
+            format!(
+                "every sensor shows {} times what the model makes of `{channel}` (correlation {r:.3}) {place}: {name}?",
+                short(slope)
+            ),
+            format!("divide `{channel}` by {sign}{}; its name says {}", short(factor), unit(&channel)),
+        ),
+        None if odd => (
+            Problem::OddScale,
+            format!(
+                "every sensor shows {} times what the model makes of `{channel}` (correlation {r:.3}) {place}",
+                short(slope)
+            ),
+            "compare the command's scale and the actuator's file with the rig".to_owned(),
+        ),
+        None => (
+            Problem::FlippedSign,
+            format!(
+                "every sensor runs against the model with slope {slope:.2} (correlation -{r:.3}) {place}: the sign of `{channel}`?"
+            ),
+            format!("negate `{channel}`; a positive command pushes the links apart"),
+        ),
+    };
+    found.extend(finding(problem, r, Severity::Stops, &channel, evidence, cure));
+    explained
+}
+
+fn clipped(campaign: &Campaign, seen: &[Seen]) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for (channel, of) in by_channel(seen) {
+        let mut runs = Vec::new();
+        let (mut rows, mut all, mut limit) = (0, 0, 0.0f64);
+        for s in of.iter().filter(|s| s.moves() && !s.judged) {
+            all += s.pair.count();
+            let at = pinned(s);
+            if at.is_empty() {
+                continue;
+            }
+            runs.push(s.pair.run);
+            rows += at.len();
+            limit = at.iter().map(|&i| s.pair.measured[i].abs()).fold(limit, f64::max);
+        }
+        if runs.is_empty() {
+            continue;
+        }
+        let share = rows as f64 / all.max(1) as f64;
+        found.extend(finding(
+            Problem::ClippedColumn,
+            share,
+            Severity::Stops,
+            channel,
+            format!(
+                "`{channel}` stands at {} {} for {} % of the rows while the model goes on, {}: at its limit?",
+                short(limit),
+                unit(channel),
+                short(100.0 * share),
+                in_runs(campaign, &runs, of.len())
+            ),
+            "raise the sensor's range or command less; a limit of the rig itself is left to the diagnosis"
+                .to_owned(),
+        ));
+    }
+    found
+}
+
+/// Rows of a column that stand on its least or greatest value in stretches of three and more while the model goes beyond.
+fn pinned(s: &Seen) -> Vec<usize> {
+    let measured = s.pair.measured;
+    let rows = || s.pair.rows.iter().cloned().flatten();
+    let (low, high) =
+        rows().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), i| (a.min(measured[i]), b.max(measured[i])));
+    let beside = |i: usize, by: isize| i.checked_add_signed(by).and_then(|k| measured.get(k)).copied();
+    let stands = |i: usize, value: f64| {
+        let same = |by: isize| beside(i, by) == Some(value);
+        measured[i] == value && ((same(-1) && same(1)) || (same(1) && same(2)) || (same(-1) && same(-2)))
+    };
+    let mut pinned = Vec::new();
+    for (value, way) in [(low, -1.0), (high, 1.0)] {
+        let at: Vec<usize> = rows().filter(|&i| stands(i, value)).collect();
+        if at.is_empty() {
+            continue;
+        }
+        let others = rows().filter(|i| measured[*i] != value);
+        let line = Line::through(others.map(|i| (s.pair.predicted[i], measured[i])));
+        let beyond: Vec<f64> =
+            at.iter().map(|&i| way * (line.slope * s.pair.predicted[i] + line.bias - value)).collect();
+        if line.correlation > FOLLOWS
+            && stats::median(&beyond) > (BEYOND_EXTREME * (high - low)).max(EXCITED * s.pair.noise)
+        {
+            pinned.extend(at);
+        }
+    }
+    pinned
+}
