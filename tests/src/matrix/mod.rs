@@ -189,6 +189,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         hidden: Vec::new(),
         duration_s,
         substeps: SUBSTEPS,
+        rough: Vec::new(),
     };
     let mut outcome = Outcome {
         name: name.clone(),

@@ -13,10 +13,12 @@ pub use text::of as text;
 
 use crate::campaign_model::CampaignModel;
 use crate::failure::OrBadInput;
+use sealegs_model::Model;
 use sealegs_sysid::diagnose::fit_holding;
 use sealegs_sysid::frequency::{self, ChannelResponse};
 use sealegs_sysid::locate::{Location, locate};
 use sealegs_sysid::nuisance::Sensor;
+use sealegs_sysid::sanity::{self, Finding};
 use sealegs_sysid::structure::{self, StructureTest};
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role};
 
@@ -52,6 +54,8 @@ pub struct Compared<'a> {
     pub fit: Option<Fit>,
     /// Fit runs, then holdout runs, as far as there are any.
     pub parts: Vec<Part<'a>>,
+    /// What seems wrong with the log itself.
+    pub sanity: Vec<Finding>,
     /// Where the residual sits, all runs together.
     pub location: Location,
     /// What it depends on.
@@ -119,6 +123,7 @@ pub fn compare<'a>(
     let shown: Vec<(&Data, &Evaluation)> = parts.iter().map(|p| (&p.data, p.shown())).collect();
     let (location, tests, responses) =
         (locate(&shown), structure::tests(&shown), frequency::responses(&shown));
+    let seen: &dyn Model = model;
     let work = parts.iter().map(|p| p.data.work()).fold((0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
     Ok(Compared {
         campaign,
@@ -126,6 +131,7 @@ pub fn compare<'a>(
         floor,
         fit: fitted,
         parts,
+        sanity: sanity::look(campaign, seen),
         location,
         tests,
         responses,

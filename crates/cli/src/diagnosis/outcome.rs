@@ -2,6 +2,7 @@
 
 use sealegs_sysid::Fit;
 use sealegs_sysid::diagnose::{Diagnosis, Judged, OpenChoice, VerdictKind};
+use sealegs_sysid::sanity::Finding;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -36,6 +37,8 @@ pub struct Outcome {
     pub sentence: String,
     /// What is left and not explained: its frequency, what it follows, where it is largest; empty where nothing is left.
     pub remainder: Vec<String>,
+    /// What seems wrong with the log itself; found before anything was fitted.
+    pub sanity: Vec<Finding>,
     /// What else a reader should know: the files' oddities.
     pub notes: Vec<String>,
     /// What it cost.
@@ -191,12 +194,13 @@ pub fn sensors(fit: &Fit) -> Vec<SensorValue> {
 }
 
 impl Outcome {
-    /// Everything that is said of a diagnosis; the next experiment comes from outside.
+    /// Everything that is said of a diagnosis; the next experiment and what is wrong with the log come from outside.
     #[must_use]
     pub fn new(
         campaign: &sealegs_sysid::Campaign,
         diagnosis: &Diagnosis,
         next_experiment: String,
+        sanity: Vec<Finding>,
         provenance: super::provenance::Provenance,
     ) -> Self {
         let verdict = &diagnosis.verdict;
@@ -242,6 +246,7 @@ impl Outcome {
             next_experiment,
             sentence: String::new(),
             remainder: verdict.remainder.clone(),
+            sanity,
             notes: campaign.notes.clone(),
             work: Work { simulations: diagnosis.simulations, simulated_s: diagnosis.simulated_s },
             provenance,

@@ -49,10 +49,16 @@ impl Strength {
     /// what only the load cells (2 N) see can leave some tens at most.
     #[must_use]
     pub fn window(self, id: &str) -> (f64, f64) {
-        let seen_by_load_cells_only =
-            ["structural-mode", "sensor-lag", "sensor-delay@force", "clipped-load-cell", "drifting-bias"]
-                .iter()
-                .any(|of| id.starts_with(of));
+        let seen_by_load_cells_only = [
+            "structural-mode",
+            "sensor-lag",
+            "sensor-delay@force",
+            "clipped-load-cell",
+            "drifting-bias",
+            "dead-band-load-cell",
+        ]
+        .iter()
+        .any(|of| id.starts_with(of));
         match (self, seen_by_load_cells_only) {
             (Self::Weak, _) => (1.3, 1.5),
             (Self::Middle, true) => (2.5, 5.0),

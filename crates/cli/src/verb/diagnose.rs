@@ -9,7 +9,7 @@ use crate::output::Destination;
 use crate::{campaign_model, comparison};
 use clap::Args;
 use sealegs_recorder::recording::Output;
-use sealegs_sysid::{Campaign, Role, diagnose};
+use sealegs_sysid::{Campaign, Role, diagnose, sanity};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -25,6 +25,9 @@ pub struct Diagnose {
     /// An effect of your own, as a file with an expression; may be repeated
     #[arg(long, value_name = "OWN.toml")]
     effect: Vec<PathBuf>,
+    /// Diagnose although the log is not what its header says (see `sealegs check`)
+    #[arg(long)]
+    force: bool,
     /// Write the result as JSON (`-` for standard output)
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
@@ -43,7 +46,8 @@ pub struct Diagnose {
 ///
 /// # Errors
 ///
-/// Bad input for a campaign, model or effect file with an error in it; otherwise if an output file cannot
+/// Bad input for a campaign, model or effect file with an error in it, and for a log that is not what its header says,
+/// unless forced; otherwise if an output file cannot
 /// be written or nothing can be simulated.
 pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let started = Instant::now();
@@ -57,6 +61,8 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
     let plan_file = Destination::optional(arguments.plan.as_ref())?;
 
+    let wrong = sanity::look(&campaign, model.as_ref());
+    crate::sanity::gate(&arguments.campaign, &wrong, arguments.force)?;
     let bar = progress::spinner();
     let done = diagnose::diagnose(&campaign, model.as_ref(), &diagnose::Options::of(model.as_ref()), &|p| {
         bar.set_message(progress::message(&p));
@@ -75,7 +81,7 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
         Some(e) => e.sentence.clone(),
         None => "There is nothing to tell apart, and so no experiment to propose.".to_owned(),
     };
-    let outcome = Outcome::new(&campaign, &diagnosis, next, provenance);
+    let outcome = Outcome::new(&campaign, &diagnosis, next, wrong, provenance);
     if report.is_some() || rrd.is_some() {
         let command = std::env::args().collect::<Vec<_>>().join(" ");
         let sides = Sides::of(&diagnosis);

@@ -46,7 +46,8 @@ pub struct MysteryArguments {
     /// Another seed hides something else
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// One dominant effect, or: a weak one, two, none, or (not on a leg) one that is in no catalogue
+    /// One dominant effect; or a weak one, two, none, or (not on a leg) one that is in no catalogue; or a plain one or none
+    /// in a rough log (not on a leg)
     #[arg(long, value_enum, default_value = "easy")]
     level: Level,
     /// The folder to make

@@ -189,12 +189,18 @@ fn spikes(values: &[f64]) -> Option<(Vec<usize>, f64)> {
     })
 }
 
-/// Whether the rows around a row are quiet beside it.
+/// Whether the rows around a row, the straight line through them taken off, are quiet beside it.
 fn stands_alone(values: &[f64], i: usize, size: f64) -> bool {
     let from = i.saturating_sub(AROUND);
-    let around = values[from..(i + AROUND + 1).min(values.len())].iter().enumerate();
-    let beside = around.filter(|(k, _)| from + k != i).map(|(_, v)| *v);
-    let (low, high) = beside.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    let rows = from..(i + AROUND + 1).min(values.len());
+    let beside: Vec<(f64, f64)> =
+        rows.filter(|k| *k != i).map(|k| (k as f64 - i as f64, values[k])).collect();
+    let n = beside.len() as f64;
+    let (mx, my) = beside.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
+    let (xx, xy) =
+        beside.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + (x - mx).powi(2), b + (x - mx) * (y - my)));
+    let left = beside.iter().map(|(x, y)| y - my - xy / xx * (x - mx));
+    let (low, high) = left.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     high - low < QUIET * size
 }
 

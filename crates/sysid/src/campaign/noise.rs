@@ -256,18 +256,15 @@ mod tests {
         let mut noise = Noise::new(9);
         let mut values: Vec<f64> =
             (0..8000).map(|i| 50.0 * (f64::from(i) * 0.02).sin() + 2.0 * noise.normal()).collect();
-        // A sensor that is read every other row.
-        for i in (1..values.len()).step_by(2) {
-            values[i] = values[i - 1];
+        // A sensor that is read every fifth row, and off now and then.
+        for i in 0..values.len() {
+            let glitch = if i % 300 == 30 { 400.0 } else { 0.0 };
+            values[i] = if i % 5 == 0 { values[i] + glitch } else { values[i - i % 5] };
         }
         let naive = by_differences(&[&values]);
-        assert!(naive < 1.6, "half of the rows are no news: {naive}");
-        for i in (30..8000).step_by(300) {
-            values[i - i % 2] += 400.0;
-            values[i - i % 2 + 1] = values[i - i % 2];
-        }
+        assert!(naive < 1.5, "most of the rows are no news: {naive}");
         let run = run_of(vec![("force_1_n", values)]);
-        assert_eq!((run.left_out.repeated.len(), run.left_out.spikes[0].rows.len()), (4000, 27));
+        assert_eq!((run.left_out.repeated.len(), run.left_out.spikes[0].rows.len()), (6400, 27));
         let found = &of_runs(&[run], &[])[0];
         assert!((found.std / 2.0 - 1.0).abs() < 0.1, "{found:?}");
     }

@@ -64,11 +64,6 @@ impl Line {
         }
     }
 
-    /// Standard deviation of the measured values about the line.
-    pub fn left(&self) -> f64 {
-        self.measured * (1.0 - self.correlation * self.correlation).max(0.0).sqrt()
-    }
-
     /// Share of the measured variance that the line does not explain.
     pub fn unexplained(&self) -> f64 {
         1.0 - self.correlation * self.correlation
@@ -120,7 +115,7 @@ mod tests {
         };
         let line = pair.line(7, 1);
         assert!((line.slope + 3.0).abs() < 1e-6 && (line.bias - 1e6).abs() < 1e-6, "{line:?}");
-        assert!((line.correlation + 1.0).abs() < 1e-9 && line.left() < 1e-3, "{line:?}");
+        assert!((line.correlation + 1.0).abs() < 1e-9, "{line:?}");
         assert!(pair.line(0, 1).unexplained() > 0.05);
         assert!(pair.own_correlation(0) > 0.999_999 && pair.own_correlation(18) < 0.5);
         assert_eq!(pair.count(), 450);
