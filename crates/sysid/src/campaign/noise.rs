@@ -255,7 +255,7 @@ mod tests {
     fn repeated_rows_and_spikes_do_not_hide_the_noise() {
         let mut noise = Noise::new(9);
         let mut values: Vec<f64> =
-            (0..8000).map(|i| 50.0 * (f64::from(i) * 0.02).sin() + 2.0 * noise.normal()).collect();
+            (0..8000).map(|i| 50.0 * (f64::from(i) * 0.002).sin() + 2.0 * noise.normal()).collect();
         // A sensor that is read every fifth row, and off now and then.
         for i in 0..values.len() {
             let glitch = if i % 300 == 30 { 400.0 } else { 0.0 };

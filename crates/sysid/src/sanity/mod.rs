@@ -7,6 +7,7 @@
 
 mod against;
 mod columns;
+mod foreign;
 mod offset;
 mod pair;
 mod policy;

@@ -1,11 +1,11 @@
-//! Columns that lie whole samples beside the command or beside each other, and commands that no sensor follows.
+//! Columns that lie whole samples beside the command or beside each other.
 
 use super::against::{Seen, by_channel, in_runs};
 use super::policy::{
     BEYOND_OWN_CORRELATION, CLEAR_OFFSET, LONG_OFFSET_S, MOST_OFFSET, NEAR_OFFSET, SAME_OFFSET,
 };
 use super::units::short;
-use super::{Finding, Problem, Severity, finding};
+use super::{Finding, Problem, Severity, finding, foreign};
 use crate::{Campaign, stats};
 use rayon::prelude::*;
 
@@ -22,6 +22,8 @@ struct Best {
     lag: isize,
     /// Share of its variance that is left there.
     unexplained: f64,
+    /// The same at the best offset that an effect could be: of many far ones some fit by chance.
+    unexplained_near: f64,
     /// It is clearly better than none.
     clear: bool,
     /// No phase of a narrow band can be taken for it.
@@ -62,7 +64,8 @@ pub(super) fn look(campaign: &Campaign, seen: &[Seen]) -> Vec<Finding> {
         found.extend(said(campaign, seen, &best, &own, channel, false));
     }
     if found.iter().all(|f| !f.stops()) {
-        found.extend(foreign_command(campaign, seen, &best));
+        let near: Vec<f64> = best.iter().flatten().map(|b| b.unexplained_near).collect();
+        found.extend(foreign::look(campaign, seen, &near));
     }
     found
 }
@@ -77,6 +80,7 @@ fn best(s: &Seen) -> Best {
         lags.map(|lag| (lag, at(lag, stride))).fold((0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a })
     };
     let mut found = least(&mut (-near..=near), 1);
+    let unexplained_near = found.1;
     if found.1 > UNEXPLAINED && most > near {
         let (far, _) = least(&mut (-most..=most).filter(|l| l.abs() > near), STRIDE);
         let refined = least(&mut (far - 2..=far + 2), 1);
@@ -92,7 +96,7 @@ fn best(s: &Seen) -> Best {
         && unexplained.sqrt() < CLEAR_OFFSET.0 * none.sqrt()
         && none.sqrt() > CLEAR_OFFSET.1 * noise;
     let beyond_phase = clear && s.pair.own_correlation(lag) < BEYOND_OWN_CORRELATION;
-    Best { lag, unexplained, clear, beyond_phase }
+    Best { lag, unexplained, unexplained_near, clear, beyond_phase }
 }
 
 /// Whether pairs have the same offset.
@@ -138,42 +142,4 @@ fn said(
     };
     let most = if sure { Severity::Stops } else { Severity::Remark };
     finding(Problem::Offset, lag.abs(), most, channel, evidence, cure)
-}
-
-fn foreign_command(campaign: &Campaign, seen: &[Seen], best: &[Option<Best>]) -> Option<Finding> {
-    let run = campaign.runs.iter().find(|r| r.record.inputs.len() == 1)?;
-    let channel = &run.record.inputs[0].channel;
-    let cure = format!("find the column that was commanded in these runs and call it `{channel}`");
-    let own: Vec<&Seen> =
-        seen.iter().filter(|s| campaign.runs[s.pair.run].record.inputs.len() == 1).collect();
-    if own.iter().all(|s| !s.moves()) && !own.is_empty() {
-        // The model rests; so must the rig.
-        let moved =
-            own.iter().filter(|s| s.line.measured > 4.0 * super::policy::EXCITED * s.pair.noise).count();
-        let share = moved as f64 / own.len() as f64;
-        let evidence =
-            format!("under `{channel}` the model hardly moves, and {moved} of {} columns do", own.len());
-        return finding(Problem::ForeignCommand, share, Severity::Stops, channel, evidence, cure);
-    }
-    // What has a finding of its own follows the command in its way.
-    let judged = seen.iter().any(|s| s.judged);
-    let left: Vec<f64> = best.iter().flatten().map(|b| b.unexplained).collect();
-    if judged || left.is_empty() {
-        return None;
-    }
-    let share = stats::mean(&left);
-    let least = left.iter().fold(1.0f64, |a, b| a.min(*b));
-    finding(
-        Problem::ForeignCommand,
-        share,
-        Severity::Stops,
-        channel,
-        format!(
-            "the sensors do not follow `{channel}`: at any offset the model leaves {:.0} % of their variance, of the best column \
-             {:.0} %",
-            100.0 * share,
-            100.0 * least
-        ),
-        cure,
-    )
 }

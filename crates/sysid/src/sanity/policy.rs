@@ -63,11 +63,12 @@ pub const RULES: [Rule; 13] = [
     },
     Rule {
         problem: Problem::ForeignCommand,
-        measure: "share of the sensors' variance that does not follow the command, over all columns and runs",
+        measure: "share of the sensors' variance that follows the command neither by the model nor, of any column, by a \
+                  linear filter",
         remark: 0.7,
         stop: Some(0.9),
-        origin: "two unrelated signals of 30 independent stretches share a tenth of their variance by chance; the worst \
-                 effects and the worst models seen (a rig with play and friction at resonance) leave half",
+        origin: "two unrelated signals of 30 independent stretches share a tenth of their variance by chance at some offset; \
+                 play, friction and hard springs leave more than half of a rig's motion coherent with its command",
     },
     Rule {
         problem: Problem::DeadColumn,
@@ -161,6 +162,11 @@ pub const LONG_OFFSET_S: f64 = 0.02;
 /// An offset that stops is no phase of a narrow band: the prediction's own correlation with itself has fallen below this at
 /// that offset, in some run.
 pub const BEYOND_OWN_CORRELATION: f64 = 0.5;
+
+/// Least number of segments over which coherence is averaged, and the longest segment, samples.
+pub const COHERENCE_SEGMENTS: usize = 16;
+/// See [`COHERENCE_SEGMENTS`].
+pub const LONGEST_SEGMENT: usize = 1024;
 
 /// Runs agree on an offset within so many samples, or this share of it.
 pub const SAME_OFFSET: (f64, f64) = (1.0, 0.05);
