@@ -177,8 +177,8 @@ fn spikes(values: &[f64]) -> Option<(Vec<usize>, f64)> {
         if !is_greatest || size[i] <= least || !stands_alone(values, i, size[i]) {
             continue;
         }
-        let near = &size[i.saturating_sub(WINDOW)..(i + WINDOW + 1).min(n)];
-        if size[i] > BEYOND * 1.4826 * crate::stats::median(near) {
+        let near = scatter(&size[i.saturating_sub(WINDOW)..(i + WINDOW + 1).min(n)]);
+        if size[i] > BEYOND * near.or_else(|| scatter(&size)).unwrap_or(f64::INFINITY) {
             rows.push(i);
         }
     }
@@ -187,6 +187,13 @@ fn spikes(values: &[f64]) -> Option<(Vec<usize>, f64)> {
         let sizes: Vec<f64> = rows.iter().map(|&i| size[i]).collect();
         (rows, crate::stats::median(&sizes))
     })
+}
+
+/// A robust standard deviation of what neighbours leave; rows of which they leave nothing, where a sensor rests or is at
+/// its limit, say nothing. `None` where hardly a row is left.
+fn scatter(size: &[f64]) -> Option<f64> {
+    let felt: Vec<f64> = size.iter().copied().filter(|s| *s > 0.0).collect();
+    (felt.len() >= 8).then(|| 1.4826 * crate::stats::median(&felt))
 }
 
 /// Whether the rows around a row, the straight line through them taken off, are quiet beside it.

@@ -1,7 +1,7 @@
 //! Every column against the nominal model's prediction of it: signs, units, exchanged, dead and clipped columns.
 
 use super::pair::{Line, Pair};
-use super::policy::{EXCITED, ODD_SLOPE, SWAPPED_SLOPE};
+use super::policy::{EXCITED, NEAR_FACTOR, ODD_SLOPE, SWAPPED_SLOPE};
 use super::units::{are_counts, probable, short};
 use super::{Finding, Problem, Severity, finding, offset};
 use crate::{Campaign, Data, stats};
@@ -23,6 +23,9 @@ const FOLLOWS: f64 = 0.5;
 /// A column stands at its extreme if the model goes beyond by this share of its range on half of those rows; nominal
 /// parameters bend a prediction by less.
 const BEYOND_EXTREME: f64 = 0.1;
+
+/// An extreme below this share of the greatest magnitude is where the column rests.
+const AT_REST: f64 = 0.1;
 
 /// A pair with the line through it.
 pub(super) struct Seen<'a> {
@@ -330,7 +333,12 @@ fn of_marks(
             "compare the sensor's scale and the actuator's file with the rig".to_owned(),
         ),
     };
-    finding(problem, middle(|m| m.strength), Severity::Stops, channel, evidence, cure)
+    // A unit is one number in every run; what changes with the amplitude is a limit or a friction.
+    let sizes: Vec<f64> = marks.iter().map(|m| m.line.slope.abs()).collect();
+    let one = sizes.iter().all(|s| s.max(slope.abs()) < NEAR_FACTOR * s.min(slope.abs()));
+    let sure = problem != Problem::UnitFactor || (marks.len() == moving && one);
+    let most = if sure { Severity::Stops } else { Severity::Remark };
+    finding(problem, middle(|m| m.strength), most, channel, evidence, cure)
 }
 
 /// Where every column of a run is off in the same way the command is: returns the runs that this explains.
@@ -448,7 +456,7 @@ fn pinned(s: &Seen) -> Vec<usize> {
     let mut pinned = Vec::new();
     for (value, way) in [(low, -1.0), (high, 1.0)] {
         let at: Vec<usize> = rows().filter(|&i| stands(i, value)).collect();
-        if at.is_empty() {
+        if at.is_empty() || value.abs() < AT_REST * low.abs().max(high.abs()) {
             continue;
         }
         let others = rows().filter(|i| measured[*i] != value);

@@ -1,7 +1,7 @@
 //! Whether the sensors follow the command column at all, by the model or by any linear filter of it.
 
 use super::against::Seen;
-use super::policy::{COHERENCE_SEGMENTS, EXCITED, LONGEST_SEGMENT};
+use super::policy::{COHERENCE_SEGMENTS, EXCITED, LONGEST_SEGMENT, MODEL_FAILS};
 use super::{Finding, Problem, Severity, finding};
 use crate::frf::Welch;
 use crate::{Campaign, resample, stats};
@@ -26,12 +26,14 @@ pub(super) fn look(campaign: &Campaign, seen: &[Seen], near: &[f64]) -> Option<F
         return None;
     }
     let by_model = stats::mean(near);
-    super::policy::severity(Problem::ForeignCommand, by_model)?;
+    if by_model < MODEL_FAILS {
+        return None;
+    }
     // A nominal model may be far off; then some other filter of the command does better.
     let coherent = coherent_share(campaign, &own)?;
     finding(
         Problem::ForeignCommand,
-        by_model.min(1.0 - coherent),
+        1.0 - coherent,
         Severity::Stops,
         channel,
         format!(

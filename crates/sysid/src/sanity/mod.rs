@@ -105,8 +105,15 @@ impl Finding {
     /// Evidence and cure as a person reads them.
     #[must_use]
     pub fn sentence(&self) -> String {
-        format!("{}. {}.", self.evidence, self.cure)
+        let stop = if self.evidence.ends_with('?') { "" } else { "." };
+        format!("{}{stop} {}.", capital(&self.evidence), capital(&self.cure))
     }
+}
+
+/// A sentence with a capital letter at its beginning.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Looks at a campaign with its nominal model; what stops a diagnosis comes first.

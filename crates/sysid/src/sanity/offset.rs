@@ -40,28 +40,26 @@ pub(super) fn look(campaign: &Campaign, seen: &[Seen]) -> Vec<Finding> {
         campaign.runs[seen[i].pair.run].record.inputs.len() == 1
             && seen.iter().filter(|s| s.pair.run == seen[i].pair.run && s.moves()).count() > 1
     };
+    let examined =
+        |of: &dyn Fn(usize) -> bool| (0..seen.len()).filter(|&i| best[i].is_some() && of(i)).count();
     let clear: Vec<usize> = (0..seen.len()).filter(|&i| best[i].is_some_and(|b| b.clear)).collect();
-    let examined = best.iter().flatten().count();
-    if clear.len() == examined
-        && clear.iter().all(|&i| of_command(i))
-        && agree(&clear, &best)
-        && !clear.is_empty()
-    {
+    // Slow runs hardly tell; what tells must agree, and be half of all at least.
+    let enough = |own: &[usize], of: usize| !own.is_empty() && 2 * own.len() >= of && agree(own, &best);
+    let channels = by_channel(seen);
+    let every = channels.iter().all(|(channel, of)| {
+        of.iter().all(|s| !s.moves() || s.judged) || clear.iter().any(|&i| seen[i].pair.channel == *channel)
+    });
+    if every && clear.iter().all(|&i| of_command(i)) && enough(&clear, examined(&|_| true)) {
         let channel = campaign.runs[seen[clear[0]].pair.run].record.inputs[0].channel.clone();
         clear.iter().for_each(|&i| explained[i] = true);
         found.extend(said(campaign, seen, &best, &clear, &channel, true));
     }
-    for (channel, of) in by_channel(seen) {
+    for (channel, _) in channels {
         let own: Vec<usize> =
             clear.iter().copied().filter(|&i| !explained[i] && seen[i].pair.channel == channel).collect();
-        let examined =
-            (0..seen.len()).filter(|&i| seen[i].pair.channel == channel && best[i].is_some()).count();
-        // One run of several is a model's phase, not a column's place.
-        if own.is_empty() || own.len() < examined || !agree(&own, &best) || of.is_empty() {
-            continue;
+        if enough(&own, examined(&|i| seen[i].pair.channel == channel)) {
+            found.extend(said(campaign, seen, &best, &own, channel, false));
         }
-        own.iter().for_each(|&i| explained[i] = true);
-        found.extend(said(campaign, seen, &best, &own, channel, false));
     }
     if found.iter().all(|f| !f.stops()) {
         let near: Vec<f64> = best.iter().flatten().map(|b| b.unexplained_near).collect();
@@ -81,7 +79,7 @@ fn best(s: &Seen) -> Best {
     };
     let mut found = least(&mut (-near..=near), 1);
     let unexplained_near = found.1;
-    if found.1 > UNEXPLAINED && most > near {
+    if (found.1 > UNEXPLAINED || found.0.abs() == near) && most > near {
         let (far, _) = least(&mut (-most..=most).filter(|l| l.abs() > near), STRIDE);
         let refined = least(&mut (far - 2..=far + 2), 1);
         if refined.1 < found.1 {

@@ -33,7 +33,7 @@ pub const RULES: [Rule; 13] = [
     Rule {
         problem: Problem::UnitFactor,
         measure: "correlation of measured with predicted, where the slope is within 15 % of a unit's factor",
-        remark: 0.8,
+        remark: 0.95,
         stop: Some(0.95),
         origin: "nominal parameters are known to 10 %, and no factor of the table is below 4; below 0.95 (a tenth of \
                  the variance unexplained) the slope is no scale but a resonance or a friction",
@@ -63,12 +63,11 @@ pub const RULES: [Rule; 13] = [
     },
     Rule {
         problem: Problem::ForeignCommand,
-        measure: "share of the sensors' variance that follows the command neither by the model nor, of any column, by a \
-                  linear filter",
+        measure: "share of the power of the best column that is not coherent with the command, where the model fails, too",
         remark: 0.7,
         stop: Some(0.9),
-        origin: "two unrelated signals of 30 independent stretches share a tenth of their variance by chance at some offset; \
-                 play, friction and hard springs leave more than half of a rig's motion coherent with its command",
+        origin: "the coherence of unrelated signals is that of chance, which is taken off; play, friction and hard springs leave \
+                 more than half of a rig's motion coherent with its command",
     },
     Rule {
         problem: Problem::DeadColumn,
@@ -162,6 +161,9 @@ pub const LONG_OFFSET_S: f64 = 0.02;
 /// An offset that stops is no phase of a narrow band: the prediction's own correlation with itself has fallen below this at
 /// that offset, in some run.
 pub const BEYOND_OWN_CORRELATION: f64 = 0.5;
+
+/// A model that leaves less of the sensors' variance follows its command, whatever the coherence of short runs.
+pub const MODEL_FAILS: f64 = 0.7;
 
 /// Least number of segments over which coherence is averaged, and the longest segment, samples.
 pub const COHERENCE_SEGMENTS: usize = 16;
