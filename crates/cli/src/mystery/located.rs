@@ -1,6 +1,6 @@
 //! Whether a diagnosis says where something acts that is in no catalogue, and what it depends on.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// What is missing at a port, as `diagnose --json` lists it under `missing_signals`; other keys are left alone.
 #[derive(Debug, Clone, Deserialize)]
@@ -13,7 +13,7 @@ pub struct MissingSignal {
 }
 
 /// How what is said stands against the truth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Located {
     /// It is at the right port.
     pub port: bool,

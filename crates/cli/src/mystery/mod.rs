@@ -13,7 +13,7 @@ pub mod score;
 pub mod trial;
 
 pub use leg::leg_mystery;
-pub use located::{Located, MissingSignal};
+pub use located::{Located, MissingSignal, located};
 pub use reveal::{Verdict, page};
 
 use answer::{Answer, HiddenEffect, Named, TrueSensor};

@@ -2,7 +2,7 @@
 
 use super::answer::Answer;
 use super::located::{Located, MissingSignal, located};
-use super::score::{Score, score};
+use super::score::{Score, is_said_of_the_log, score};
 use crate::diagnosis::text::figures;
 use serde::Deserialize;
 use std::fmt::Write;
@@ -87,9 +87,8 @@ impl Verdict {
     pub fn score(&self, answer: &Answer) -> Score {
         let hidden: Vec<String> = answer.effects.iter().map(|e| e.id.clone()).collect();
         let known = answer.effects.iter().all(|e| e.known);
-        // Rows that were not read are a fault of the log: whoever says so and leaves them out has nothing left to explain.
-        let said = self.sanity.iter().any(|w| w.problem == "repeated-rows");
-        if said && hidden == ["stale-samples"] && self.verdict == "adequate" {
+        let sanity = self.sanity.iter().map(|w| w.problem.as_str());
+        if is_said_of_the_log(&hidden, &self.verdict, sanity) {
             return Score::Right;
         }
         score(&hidden, known, &self.verdict, &self.effects, &self.indistinguishable)

@@ -11,6 +11,7 @@ mod foreign;
 mod offset;
 mod pair;
 mod policy;
+mod stuck;
 mod units;
 
 pub use policy::{RULES, Rule};

@@ -209,7 +209,7 @@ fn one_line_says_why_a_diagnosis_is_not_begun() {
     assert_eq!(stop(&look(&good(), &Toy::new())), None);
     let one = stop(&look(&campaign, &Toy::new())).unwrap();
     assert!(
-        one.contains("`force_1_n` runs against") && one.contains("negate") && !one.contains('\n'),
+        one.contains("`force_1_n` runs against") && one.contains("Negate") && !one.contains('\n'),
         "{one}"
     );
     campaign.runs.truncate(2);
