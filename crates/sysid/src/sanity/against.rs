@@ -133,7 +133,18 @@ pub(super) fn exchange(a: &Seen, b: &Seen) -> f64 {
         // What is within the noise of its own prediction is where it belongs.
         if own < EXCITED * m.noise { 0.0 } else { own / theirs.max(f64::MIN_POSITIVE) }
     };
-    better(&a.pair, &b.pair).min(better(&b.pair, &a.pair))
+    better(&a.pair, &b.pair).min(better(&b.pair, &a.pair)).max(difference(&a.pair, &b.pair))
+}
+
+/// How much better the difference of two columns fits its prediction with the other sign: what a model misses of both alike,
+/// a stiffness say, is not in it.
+fn difference(a: &Pair, b: &Pair) -> f64 {
+    let rows = || a.rows.iter().cloned().flatten();
+    let spread = |sign: f64| {
+        let left = rows().map(|i| (a.measured[i] - b.measured[i]) - sign * (a.predicted[i] - b.predicted[i]));
+        stats::std(&left.collect::<Vec<_>>())
+    };
+    spread(1.0) / spread(-1.0).max(f64::MIN_POSITIVE)
 }
 
 fn swapped(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
@@ -292,12 +303,16 @@ fn command(
             .zip(told.iter().copied())
             .filter(|(s, _)| s.pair.run == index && s.moves() && !s.judged)
             .collect();
-        if run.record.inputs.len() != 1 || own.len() < 2 || own.iter().any(|(_, t)| t.is_none()) {
+        // A column that follows the model as it should speaks for the command.
+        let follows = |s: &Seen| (1.0 / ODD_SLOPE..=ODD_SLOPE).contains(&s.line.slope);
+        let told = own.iter().filter(|(_, t)| t.is_some()).count();
+        if run.record.inputs.len() != 1 || told < 2 || own.iter().any(|(s, t)| t.is_none() && follows(s)) {
             continue;
         }
-        let slopes: Vec<f64> = own.iter().map(|(s, _)| s.line.slope).collect();
+        let slopes: Vec<f64> = own.iter().filter(|(_, t)| t.is_some()).map(|(s, _)| s.line.slope).collect();
         let (low, high) =
             slopes.iter().fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(s.abs()), b.max(s.abs())));
+        let own: Vec<_> = own.into_iter().filter(|(_, t)| t.is_some()).collect();
         let one_way = slopes.iter().all(|s| s.signum() == slopes[0].signum());
         if one_way && high < ODD_SLOPE * low {
             let r = stats::median(&own.iter().map(|(s, _)| s.line.correlation.abs()).collect::<Vec<_>>());

@@ -22,7 +22,8 @@ pub(super) fn look(campaign: &Campaign, seen: &[Seen], near: &[f64]) -> Option<F
         return finding(Problem::ForeignCommand, share, Severity::Stops, channel, evidence, cure);
     }
     // What has a finding of its own follows the command in its way.
-    if seen.iter().any(|s| s.judged) || near.is_empty() {
+    let judged = seen.iter().filter(|s| s.judged).count();
+    if near.is_empty() || 2 * judged > near.len() {
         return None;
     }
     let by_model = stats::mean(near);

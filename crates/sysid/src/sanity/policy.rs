@@ -47,7 +47,8 @@ pub const RULES: [Rule; 13] = [
     },
     Rule {
         problem: Problem::SwappedColumns,
-        measure: "each column's error with its own prediction over that with the other's, the lesser of the two",
+        measure: "each column's error with its own prediction over that with the other's, the lesser of the two; or the same of \
+                  their difference",
         remark: 2.0,
         stop: Some(3.0),
         origin: "columns that are not swapped fit the other's prediction worse, never better; half the error both ways \
