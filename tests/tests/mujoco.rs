@@ -26,7 +26,7 @@ fn folder() -> &'static Path {
 }
 
 fn made(rig: Rig, seed: u64, hidden: Vec<Hidden>, duration_s: f64) -> Made {
-    Order { name: "made".to_owned(), rig, seed, hidden, duration_s, substeps: SUBSTEPS }.make()
+    Order { name: "made".to_owned(), rig, seed, hidden, duration_s, substeps: SUBSTEPS, rough: Vec::new() }.make()
 }
 
 fn everything() -> Excitation {

@@ -108,6 +108,19 @@ fn a_mystery_is_whole_the_same_for_its_seed_and_can_be_checked_and_revealed() {
 }
 
 #[test]
+fn a_rough_mystery_is_rough_and_its_answer_says_how() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("rough");
+    good(&["mystery", "--bench", "locked", "--level", "rough", "--seed", "3", "-o", text(&place)]);
+    let answer = good(&["reveal", text(&place)]);
+    assert!(answer.contains("The log is rough: "), "{answer}");
+    good(&["check", text(&place)]);
+    let leg = folder.path().join("leg");
+    refused(&["mystery", "--bench", "leg", "--level", "rough", "-o", text(&leg)], "not of a leg");
+    assert_eq!(entries(folder.path()), ["rough"]);
+}
+
+#[test]
 fn bad_input_is_refused_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("there");

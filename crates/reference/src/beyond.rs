@@ -51,9 +51,59 @@ pub enum Beyond {
         /// Share of the rows that are not new.
         share: f64,
     },
+    /// Dry friction of the rotor at one place of the screw, a dent or dirt: `F exp(-((y - at) / width)^2)`.
+    FrictionBump {
+        /// Bound at the place itself, N.
+        force_n: f64,
+        /// Extension at which it is, m.
+        at_m: f64,
+        /// m.
+        width_m: f64,
+    },
+    /// A spring that softens while it works, as a polymer that warms up does: `k (1 - loss (1 - exp(-t / time constant)))`.
+    SofteningSpring {
+        /// Ratio of the stiffness lost in the end.
+        loss: f64,
+        /// s.
+        time_constant_s: f64,
+    },
+    /// A load cell on link 1 that does not feel small forces: nothing within the band, the force less the band beyond.
+    DeadBandLoadCell {
+        /// Half the width of the band, N.
+        band_n: f64,
+    },
+}
+
+/// Where something acts and what it depends on, in the words of a diagnosis' missing signals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Whereabouts {
+    /// The port: `command`, `rotor`, `spring`, `sensor/<channel>`; `sensor` for all sensors together.
+    pub port: &'static str,
+    /// What it depends on, the most telling first: `position`, `speed`, `direction`, `deflection`, `load`, `command`, `time`,
+    /// `past`.
+    pub depends_on: &'static [&'static str],
 }
 
 impl Beyond {
+    /// Where it acts, and what it depends on.
+    #[must_use]
+    pub fn whereabouts(&self) -> Whereabouts {
+        let (port, depends_on): (&str, &[&str]) = match self {
+            Self::PositionFriction { .. } | Self::FrictionBump { .. } => {
+                ("rotor", &["position", "direction"])
+            }
+            Self::KinkedSpring { .. } => ("spring", &["deflection"]),
+            Self::SofteningSpring { .. } => ("spring", &["time", "deflection"]),
+            Self::HotMotor { .. } => ("command", &["time", "command"]),
+            Self::DirectedGain { .. } => ("command", &["command"]),
+            Self::SquareRootDamper { .. } => ("rotor", &["speed"]),
+            Self::ClippedLoadCell { .. } | Self::DeadBandLoadCell { .. } => ("sensor/force_1_n", &["load"]),
+            Self::DriftingBias { .. } => ("sensor/force_1_n", &["time"]),
+            Self::StaleSamples { .. } => ("sensor", &["past"]),
+        };
+        Whereabouts { port, depends_on }
+    }
+
     /// Name and numbers, as an answer states them.
     #[must_use]
     pub fn described(&self) -> (&'static str, Vec<(&'static str, f64)>) {
@@ -76,6 +126,13 @@ impl Beyond {
                 ("drifting-bias", vec![("amplitude_n", amplitude_n), ("period_s", period_s)])
             }
             Self::StaleSamples { share } => ("stale-samples", vec![("share", share)]),
+            Self::FrictionBump { force_n, at_m, width_m } => {
+                ("friction-bump", vec![("force_n", force_n), ("at_m", at_m), ("width_m", width_m)])
+            }
+            Self::SofteningSpring { loss, time_constant_s } => {
+                ("softening-spring", vec![("loss", loss), ("time_constant_s", time_constant_s)])
+            }
+            Self::DeadBandLoadCell { band_n } => ("dead-band-load-cell", vec![("band_n", band_n)]),
         }
     }
 }

@@ -20,6 +20,16 @@ impl Reference {
         self.stiffness * left + self.cubic * left.powi(3) + self.spring_damping * rate + beyond
     }
 
+    /// The spring's force at a time as a ratio of what it was at the beginning.
+    pub(crate) fn spring_left(&self, time_s: f64) -> f64 {
+        match self.beyond {
+            Some(Beyond::SofteningSpring { loss, time_constant_s }) => {
+                1.0 + loss * (-time_s / time_constant_s).exp_m1()
+            }
+            _ => 1.0,
+        }
+    }
+
     /// What is left for the screw of the motor's force `motor`, N, at an extension (m) and its speed: damping, drag
     /// and ripple taken into account, dry friction not.
     pub(crate) fn on_screw(&self, motor: f64, y: f64, y_dot: f64) -> f64 {
@@ -33,7 +43,7 @@ impl Reference {
             || self.stribeck.is_some()
             || self.load_friction > 0.0
             || self.directed.is_some()
-            || matches!(self.beyond, Some(Beyond::PositionFriction { .. }))
+            || matches!(self.beyond, Some(Beyond::PositionFriction { .. } | Beyond::FrictionBump { .. }))
     }
 
     /// Bound of the rotor's dry friction, N, at an extension `y` and a speed in a direction, +1 or -1, under the
@@ -46,6 +56,9 @@ impl Reference {
         let placed = match self.beyond {
             Some(Beyond::PositionFriction { force_n, period_m }) => {
                 force_n * (1.0 + (std::f64::consts::TAU * y / period_m).sin())
+            }
+            Some(Beyond::FrictionBump { force_n, at_m, width_m }) => {
+                force_n * (-((y - at_m) / width_m).powi(2)).exp()
             }
             _ => 0.0,
         };

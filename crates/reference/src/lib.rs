@@ -16,5 +16,5 @@ mod machine;
 mod reference;
 mod sensor;
 
-pub use beyond::Beyond;
+pub use beyond::{Beyond, Whereabouts};
 pub use reference::{End, Outputs, Reference, SensorErrors};

@@ -41,6 +41,8 @@ pub(crate) struct Machine<'a> {
     link_1: Option<usize>,
     screw_end: Option<usize>,
     wobbling: Option<usize>,
+    /// The spring's force now as a ratio of what it was at the beginning.
+    pub spring_left: f64,
 }
 
 pub(crate) fn dot(a: &Row, b: &Row) -> f64 {
@@ -91,14 +93,16 @@ impl<'a> Machine<'a> {
         if let Some(w) = of.wobbling {
             put(w[0], &unit(wobbling));
         }
-        Self { of, count, inverse_mass: invert(mass, count), extension, link_2, link_1, screw_end, wobbling }
+        let inverse_mass = invert(mass, count);
+        let spring_left = 1.0;
+        Self { of, count, inverse_mass, extension, link_2, link_1, screw_end, wobbling, spring_left }
     }
 
     /// The spring's force without its slipping element.
     pub fn spring(&self, state: &State) -> f64 {
         let deflection = self.link_1.map_or(0.0, |i| state.x[i]) - state.x[P];
         let rate = self.link_1.map_or(0.0, |i| state.v[i]) - state.v[P];
-        self.of.spring_force(deflection, rate)
+        self.spring_left * self.of.spring_force(deflection, rate)
     }
 
     /// Generalised forces without dry friction.

@@ -207,7 +207,7 @@ impl Reference {
     /// A command that acts later does so at its own instant, not at the next step.
     #[must_use]
     pub fn run(&self, period_s: f64, command: &[f64], substeps: usize) -> Outputs {
-        let machine = Machine::new(self);
+        let mut machine = Machine::new(self);
         let step = period_s / substeps as f64;
         let mut state = State::REST;
         let mut chain = Chain::new(&self.sensors, step);
@@ -216,6 +216,7 @@ impl Reference {
             if n > 0 {
                 for sub in 0..substeps {
                     let from = (n as f64 - 1.0 + sub as f64 / substeps as f64) * period_s;
+                    machine.spring_left = self.spring_left(from);
                     // The number of the command that is in force; a billionth of a period is rounding.
                     let late = (from - self.command_delay_s) / period_s;
                     let at = (late + 1e-9).floor();

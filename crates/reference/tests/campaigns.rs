@@ -7,7 +7,15 @@ use sealegs_model::{Excitation, Model};
 use sealegs_reference::campaign::{CATALOGUE, Hidden, Made, Order, Rig, SUBSTEPS, Stamp};
 
 fn order(rig: Rig, seed: u64) -> Order {
-    Order { name: "made".to_owned(), rig, seed, hidden: Vec::new(), duration_s: 2.0, substeps: SUBSTEPS }
+    Order {
+        name: "made".to_owned(),
+        rig,
+        seed,
+        hidden: Vec::new(),
+        duration_s: 2.0,
+        substeps: SUBSTEPS,
+        rough: Vec::new(),
+    }
 }
 
 /// A seed whose individual stamps its rows so.

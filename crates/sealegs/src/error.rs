@@ -103,6 +103,20 @@ pub enum Error {
         /// The time stamps.
         expected: usize,
     },
+    /// The log is not what its header says: a sign, a unit, a column that is another's.
+    #[error(
+        "{}: {why} `sealegs check` shows all that was found; --force diagnoses all the same",
+        campaign.display()
+    )]
+    WrongLog {
+        /// The campaign's file.
+        campaign: PathBuf,
+        /// The first of what stops a diagnosis, with its cure.
+        why: String,
+    },
+    /// There is no rough mystery on a leg.
+    #[error("--level rough: a rough log is one of a bench, not of a leg")]
+    NoSuchMystery,
     /// The work was ended by [`Stop`](crate::Stop).
     #[error("stopped")]
     Stopped,
@@ -150,6 +164,8 @@ impl Error {
             | Self::BadEffect { .. }
             | Self::WrongModel { .. }
             | Self::Length { .. }
+            | Self::WrongLog { .. }
+            | Self::NoSuchMystery
             | Self::SealedAnswer { .. } => true,
         }
     }

@@ -96,6 +96,7 @@ pub struct Options {
     pub(crate) model: ModelSource,
     pub(crate) own_effects: Vec<PathBuf>,
     pub(crate) as_is: bool,
+    pub(crate) force: bool,
     pub(crate) command: String,
     pub(crate) progress: Option<Arc<dyn Fn(&str) + Send + Sync>>,
     pub(crate) stop: Stop,
@@ -122,6 +123,12 @@ impl Options {
     /// Only [`compare`](crate::compare()) asks: the model's own values are not refitted.
     pub fn as_is(mut self, as_is: bool) -> Self {
         self.as_is = as_is;
+        self
+    }
+
+    /// Only [`diagnose`](crate::diagnose()) asks: it begins although the log is not what its header says.
+    pub fn force(mut self, force: bool) -> Self {
+        self.force = force;
         self
     }
 
@@ -172,6 +179,7 @@ impl fmt::Debug for Options {
             .field("model", &self.model)
             .field("own_effects", &self.own_effects)
             .field("as_is", &self.as_is)
+            .field("force", &self.force)
             .field("command", &self.command)
             .field("stop", &self.stop)
             .finish_non_exhaustive()

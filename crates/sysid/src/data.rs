@@ -136,7 +136,7 @@ impl<'a> Data<'a> {
                 index,
                 role: run.role,
                 record: &run.record,
-                scored: vec![run.scored.clone()],
+                scored: run.counted(),
                 channels: outputs
                     .iter()
                     .filter_map(|s| channels.iter().position(|c| c.name == s.channel))

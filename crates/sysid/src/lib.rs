@@ -9,7 +9,7 @@
 //! 3. [`fit`] refits a model's own parameters, with what is known of them beforehand.
 //! 4. [`residual`] states the errors of fitted and held-out runs, [`locate`] says where they sit and
 //!    [`structure`] what they depend on; [`frf`] compares in frequency.
-//! 5. [`check`] says what a campaign can identify at all, before any fit.
+//! 5. [`sanity`] looks for what is wrong with the log itself, [`check`] says what a campaign can identify at all, before any fit.
 //!
 //! 6. [`diagnose`] screens the effects, fits, selects and judges.
 //!
@@ -29,6 +29,7 @@ pub mod locate;
 pub mod nuisance;
 pub mod resample;
 pub mod residual;
+pub mod sanity;
 pub mod stats;
 pub mod structure;
 #[cfg(test)]

@@ -189,6 +189,7 @@ pub(crate) fn campaign(
                 role,
                 scenario: None,
                 scored: 0..record.len(),
+                left_out: crate::campaign::LeftOut::default(),
                 unknown: Vec::new(),
                 clock: Clock::of(&record.time_s, Some(200.0)),
                 path: record.name.clone().into(),

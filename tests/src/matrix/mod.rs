@@ -9,12 +9,15 @@ mod table;
 pub use table::{error, table};
 
 use sealegs::bench_model;
-use sealegs::mystery::score::{Score, score};
+use sealegs::diagnosis::outcome;
+use sealegs::mystery::score::{Score, is_said_of_the_log, score};
 use sealegs::mystery::trial::{Strength, visible};
+use sealegs::mystery::{Located, MissingSignal, located};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
+use sealegs_sysid::diagnose::Diagnosis;
 use sealegs_sysid::fit::FittedParameter;
-use sealegs_sysid::{Campaign, diagnose};
+use sealegs_sysid::{Campaign, diagnose, sanity};
 use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::path::Path;
@@ -134,6 +137,10 @@ pub struct Outcome {
     /// were named. Lines made before this was kept have none.
     #[serde(default)]
     pub stated: Vec<Stated>,
+    /// Whether port and dependence of what is in no catalogue were said; none where nothing of the kind is hidden, and in
+    /// lines made before this was kept.
+    #[serde(default)]
+    pub located: Option<Located>,
     /// Time of the diagnosis, s.
     pub seconds: Option<f64>,
 }
@@ -189,6 +196,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         hidden: Vec::new(),
         duration_s,
         substeps: SUBSTEPS,
+        rough: Vec::new(),
     };
     let mut outcome = Outcome {
         name: name.clone(),
@@ -203,6 +211,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         after_error: None,
         worst_parameter: None,
         stated: Vec::new(),
+        located: None,
         seconds: None,
     };
     let mut hidden = Vec::new();
@@ -226,7 +235,21 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     let verdict = &found.verdict;
     let ids: Vec<String> = made.hidden.iter().map(|h| h.id.clone()).collect();
     let known = made.hidden.iter().all(|h| h.beyond.is_none());
-    let scored = score(&ids, known, verdict.kind.as_str(), &verdict.effects, &verdict.indistinguishable);
+    let kind = verdict.kind.as_str();
+    let log: Vec<String> = sanity::look(&campaign, &model)
+        .iter()
+        .filter_map(|f| serde_json::to_value(f.problem).ok()?.as_str().map(str::to_owned))
+        .collect();
+    let scored = if is_said_of_the_log(&ids, kind, log.iter().map(String::as_str)) {
+        Score::Right
+    } else {
+        score(&ids, known, kind, &verdict.effects, &verdict.indistinguishable)
+    };
+    outcome.located = made.hidden.iter().find_map(|h| h.beyond).map(|beyond| {
+        let truth = beyond.whereabouts();
+        let depends_on: Vec<String> = truth.depends_on.iter().map(|d| (*d).to_owned()).collect();
+        located(truth.port, &depends_on, &missing_signals(&found))
+    });
     outcome.score = scored.to_string();
     outcome.verdict = verdict.kind.as_str().to_owned();
     outcome.said.clone_from(&verdict.effects);
@@ -246,6 +269,12 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         std::fs::remove_dir_all(&place)?;
     }
     Ok(outcome)
+}
+
+/// What a diagnosis states as missing, port by port, as `--json` says it.
+fn missing_signals(found: &Diagnosis) -> Vec<MissingSignal> {
+    let said = found.ports.iter().map(outcome::MissingSignal::of);
+    said.map(|s| MissingSignal { port: s.port, depends_on: s.depends_on }).collect()
 }
 
 /// The fitted values of what is known of a campaign. A choice of rounding is no quantity, and what the bench or

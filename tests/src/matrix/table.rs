@@ -84,6 +84,17 @@ fn totals(out: &mut String, outcomes: &[Outcome]) {
         told.len(),
         diagnosed.iter().sum::<f64>() / diagnosed.len().max(1) as f64
     );
+    let located: Vec<_> = outcomes.iter().filter_map(|o| o.located).collect();
+    if !located.is_empty() {
+        let _ = writeln!(
+            out,
+            "Of what is in no catalogue, port and dependence were said right in {} of the {} campaigns since this is \
+             counted, the port alone in {}.\n",
+            located.iter().filter(|l| l.right()).count(),
+            located.len(),
+            located.iter().filter(|l| l.port && !l.dependence).count()
+        );
+    }
     let stated: Vec<&Stated> = outcomes.iter().flat_map(|o| &o.stated).collect();
     let held = |of_effect: bool| {
         let asked: Vec<&&Stated> = stated.iter().filter(|s| s.of_effect() == of_effect).collect();

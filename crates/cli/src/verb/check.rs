@@ -9,11 +9,12 @@ use sealegs::model::Unit;
 use sealegs::sysid::Campaign;
 use sealegs::sysid::campaign::NoiseOrigin;
 use sealegs::sysid::check::{self, Check, EffectCheck};
+use sealegs::sysid::sanity::{self, Finding};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Check a campaign: clocks, gaps, saturation, noise, excitation, and what it can identify
+/// Check a campaign: signs, units and columns, clocks, gaps, saturation, noise, excitation, and what it can identify
 #[derive(Args)]
 pub struct CheckArguments {
     /// The campaign's folder, or its campaign.toml
@@ -36,13 +37,14 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<u8> {
     let model = campaign_model::of_campaign(&mut campaign, arguments.model.as_deref())?;
     campaign.notes.extend(campaign.check_against(model.as_ref()).or_bad_input()?);
     let json = Destination::optional(arguments.json.as_ref())?;
+    let wrong = sanity::look(&campaign, model.as_ref());
     let found = check::check(&campaign, model.as_ref())?;
     if let Some(destination) = json {
-        let value = to_json(&campaign, &model.name(), &found);
+        let value = to_json(&campaign, &model.name(), &found, &wrong);
         destination.write((serde_json::to_string_pretty(&value)? + "\n").as_bytes())?;
     }
     if arguments.json.as_deref() != Some(Path::new("-")) {
-        write!(std::io::stdout().lock(), "{}", text(&campaign, &model.name(), &found))?;
+        write!(std::io::stdout().lock(), "{}", text(&campaign, &model.name(), &found, &wrong))?;
     }
     Ok(0)
 }
@@ -67,8 +69,9 @@ fn strength(effect: &EffectCheck) -> String {
     effect.at.iter().map(said).collect::<Vec<_>>().join(", ")
 }
 
-fn text(campaign: &Campaign, model: &str, found: &Check) -> String {
+fn text(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> String {
     let mut out = format!("{}: {model}, {} runs\n", campaign.name, campaign.runs.len());
+    out.push_str(&sealegs::sanity::text(wrong));
     let widest = campaign.runs.iter().map(|r| r.record.name.len()).max().unwrap_or(0).max(3);
     let _ = writeln!(
         out,
@@ -203,7 +206,7 @@ fn text(campaign: &Campaign, model: &str, found: &Check) -> String {
     out
 }
 
-fn to_json(campaign: &Campaign, model: &str, found: &Check) -> serde_json::Value {
+fn to_json(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> serde_json::Value {
     use serde_json::json;
     let runs: Vec<_> = campaign
         .runs
@@ -212,7 +215,7 @@ fn to_json(campaign: &Campaign, model: &str, found: &Check) -> serde_json::Value
         .map(|(run, e)| {
             json!({
                 "file": run.record.name, "role": run.role.as_str(), "rows": run.record.len(),
-                "scored_rows": run.scored.len(),
+                "scored_rows": run.counted().iter().map(std::ops::Range::len).sum::<usize>(),
                 "clock": {
                     "duration_s": run.clock.duration_s, "period_s": run.clock.period_s,
                     "jitter_s": run.clock.jitter_s, "longest_s": run.clock.longest_s,
@@ -234,6 +237,7 @@ fn to_json(campaign: &Campaign, model: &str, found: &Check) -> serde_json::Value
     json!({
         "campaign": campaign.name,
         "model": model,
+        "sanity": wrong,
         "runs": runs,
         "columns": found.columns.iter().map(|c| json!({
             "run": c.run, "channel": c.channel, "min": c.range.0, "max": c.range.1, "rms": c.rms,

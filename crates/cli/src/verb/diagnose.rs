@@ -19,6 +19,9 @@ pub struct Diagnose {
     /// An effect of your own, as a file with an expression; may be repeated
     #[arg(long, value_name = "OWN.toml")]
     effect: Vec<PathBuf>,
+    /// Diagnose although the log is not what its header says (see `sealegs check`)
+    #[arg(long)]
+    force: bool,
     /// Write the result as JSON (`-` for standard output)
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
@@ -37,7 +40,8 @@ pub struct Diagnose {
 ///
 /// # Errors
 ///
-/// Bad input for a campaign, model or effect file with an error in it; otherwise if an output file cannot
+/// Bad input for a campaign, model or effect file with an error in it, and for a log that is not what its header says,
+/// unless forced; otherwise if an output file cannot
 /// be written or nothing can be simulated.
 pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
@@ -49,6 +53,7 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let bar = progress::spinner();
     let options = Options::new()
         .model(ModelSource::from(arguments.model.as_deref()))
+        .force(arguments.force)
         .command(crate::command())
         .on_progress(progress::on(&bar));
     let options = arguments.effect.iter().fold(options, Options::own_effect);

@@ -44,6 +44,8 @@ enum Level {
     Easy,
     /// A weak effect, two at once, nothing at all, or one that is in no catalogue.
     Hard,
+    /// A plain effect of the catalogue or nothing, in a log with one or two roughnesses.
+    Rough,
 }
 
 impl From<Level> for mystery::Level {
@@ -51,6 +53,7 @@ impl From<Level> for mystery::Level {
         match level {
             Level::Easy => Self::Easy,
             Level::Hard => Self::Hard,
+            Level::Rough => Self::Rough,
         }
     }
 }
@@ -64,7 +67,8 @@ pub struct MysteryArguments {
     /// Another seed hides something else
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// One dominant effect, or: a weak one, two, none, or (not on a leg) one that is in no catalogue
+    /// One dominant effect; or a weak one, two, none, or (not on a leg) one that is in no catalogue; or a plain one or none
+    /// in a rough log (not on a leg)
     #[arg(long, value_enum, default_value = "easy")]
     level: Level,
     /// The folder to make

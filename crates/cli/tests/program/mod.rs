@@ -11,6 +11,7 @@ pub fn sealegs(threads: usize, arguments: &[&str]) -> Output {
 }
 
 /// A file of results.
+#[allow(dead_code, reason = "not every test of the program reads one")]
 pub fn json(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }

@@ -21,6 +21,17 @@ const STEP_S: [f64; 2] = [0.6, 0.9];
 /// Smallest change that a logger of the command shows, A.
 const COMMAND_DIGIT_A: f64 = 1e-5;
 
+/// The file of the second run to fit on.
+pub(super) const SECOND_FIT: &str = "fit_steps.csv";
+
+/// A weak command as a ratio of the usual one.
+const WEAK: f64 = 0.15;
+
+/// Makes a command weak, in digits that the logger shows.
+pub(super) fn weaken(command: &mut [f64]) {
+    command.iter_mut().for_each(|c| *c = (WEAK * *c / COMMAND_DIGIT_A).round() * COMMAND_DIGIT_A);
+}
+
 /// The commands of a seed. Amplitudes are for THOR's actuator: forces of some hundred N locked, a swing of less
 /// than a radian on the pendulum.
 #[must_use]
@@ -78,7 +89,7 @@ pub fn plan(rig: Rig, seed: u64, duration_s: f64, rate_hz: f64) -> [Planned; 4] 
     let planned = |file, holdout, parts: &[Profile]| Planned { file, holdout, command: command(parts) };
     [
         planned("fit_chirp.csv", false, &swept),
-        planned("fit_steps.csv", false, &stepped),
+        planned(SECOND_FIT, false, &stepped),
         planned("check_noise.csv", true, &random),
         planned("check_low.csv", true, &slow),
     ]

@@ -41,7 +41,7 @@ pub const CATALOGUE: [&str; 21] = [
 ];
 
 /// Names of effects that are in no catalogue.
-pub const BEYOND: [&str; 8] = [
+pub const BEYOND: [&str; 11] = [
     "position-dependent-friction",
     "kinked-spring",
     "hot-motor",
@@ -50,6 +50,9 @@ pub const BEYOND: [&str; 8] = [
     "clipped-load-cell",
     "drifting-bias",
     "stale-samples",
+    "friction-bump",
+    "softening-spring",
+    "dead-band-load-cell",
 ];
 
 /// Two effects at once, as they come in practice.
@@ -171,6 +174,17 @@ impl Hidden {
             "clipped-load-cell" => Beyond::ClippedLoadCell { limit_n: 500.0 / a },
             "drifting-bias" => Beyond::DriftingBias { amplitude_n: 6.0 * a, period_s: d.between(3.0, 6.0) },
             "stale-samples" => Beyond::StaleSamples { share: 0.05 * a / (1.0 + 0.05 * a) },
+            "friction-bump" => Beyond::FrictionBump {
+                force_n: 40.0 * a,
+                at_m: d.between(-2e-4, 2e-4),
+                width_m: d.magnitude(1e-4, 3e-4),
+            },
+            // Never all of it, however strong.
+            "softening-spring" => Beyond::SofteningSpring {
+                loss: 0.1 * a / (1.0 + 0.1 * a),
+                time_constant_s: d.between(3.0, 7.0),
+            },
+            "dead-band-load-cell" => Beyond::DeadBandLoadCell { band_n: 10.0 * a },
             other => panic!("nothing of this name can be hidden: '{other}'"),
         }
     }

@@ -3,6 +3,7 @@
 use super::Rig;
 use super::draws::Draws;
 use super::individual::{Individual, Stamp};
+use super::rough::Rough;
 use crate::{Beyond, Outputs};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_model::{InputHold, Record, Signal};
@@ -19,21 +20,35 @@ const DEFLECTION_NOISE_M: f64 = 1e-6;
 /// Rows of the longest burst of stale samples.
 const LONGEST_BURST: f64 = 8.0;
 
+/// How many times coarser rough encoders are: 64 counts a turn at the rotor, 1024 at the joint.
+const COARSER: f64 = 64.0;
+/// Share of rows with a spike in the load cell of link 1, where there are some, and their size, N.
+const SPIKES: (f64, (f64, f64)) = (3e-3, (300.0, 500.0));
+/// Share of repeated rows where there are some.
+const REPEATED: f64 = 0.03;
+
+/// Counts a turn of the encoders of rotor and joint.
+fn counts(rough: &[Rough]) -> (f64, f64) {
+    let coarser = if rough.contains(&Rough::CoarseEncoders) { COARSER } else { 1.0 };
+    (ROTOR_COUNTS / coarser, JOINT_COUNTS / coarser)
+}
+
 /// The sensors of a bench: column and one standard deviation of its error. An encoder rounds to whole counts: an
 /// error that is uniform within a count.
 #[must_use]
-pub fn sensors(rig: Rig, deflection_sensor: bool) -> Vec<(&'static str, f64)> {
+pub(super) fn sensors(rig: Rig, deflection_sensor: bool, rough: &[Rough]) -> Vec<(&'static str, f64)> {
     let counted = |counts: f64| TAU / counts / 12f64.sqrt();
-    let mut all = vec![
-        ("force_1_n", FORCE_NOISE_N),
-        ("force_2_n", FORCE_NOISE_N),
-        ("motor_angle_rad", counted(ROTOR_COUNTS)),
-    ];
+    let (rotor, joint) = counts(rough);
+    let mut all = vec![("force_1_n", FORCE_NOISE_N)];
+    if !rough.contains(&Rough::OneLoadCell) {
+        all.push(("force_2_n", FORCE_NOISE_N));
+    }
+    all.push(("motor_angle_rad", counted(rotor)));
     if deflection_sensor {
         all.push(("spring_deflection_m", DEFLECTION_NOISE_M));
     }
     if rig == Rig::Pendulum {
-        all.push(("joint_angle_rad", counted(JOINT_COUNTS)));
+        all.push(("joint_angle_rad", counted(joint)));
     }
     all
 }
@@ -45,6 +60,7 @@ pub(super) struct Logger<'a> {
     pub individual: &'a Individual,
     pub deflection_sensor: bool,
     pub beyond: Option<Beyond>,
+    pub rough: &'a [Rough],
     pub seed: u64,
     pub period_s: f64,
 }
@@ -54,7 +70,8 @@ impl Logger<'_> {
     pub fn write(&self, name: &str, command: &[f64], truth: &Outputs) -> Record {
         let time_s: Vec<f64> = (0..command.len()).map(|n| n as f64 * self.period_s).collect();
         let stale = self.stale(name, command.len());
-        let outputs = sensors(self.rig, self.deflection_sensor)
+        let (rotor, joint) = counts(self.rough);
+        let outputs = sensors(self.rig, self.deflection_sensor, self.rough)
             .into_iter()
             .map(|(channel, noise_std)| {
                 let mut draws = Draws::of(self.seed, &format!("{name} {channel}"));
@@ -64,9 +81,12 @@ impl Logger<'_> {
                     "spring_deflection_m" => {
                         truth.deflection.iter().map(|x| x + noise_std * draws.normal()).collect()
                     }
-                    "motor_angle_rad" => encoder(&truth.extension, self.spec.ratio(), ROTOR_COUNTS),
-                    _ => encoder(&truth.link_2, self.rig.arm_m(), JOINT_COUNTS),
+                    "motor_angle_rad" => encoder(&truth.extension, self.spec.ratio(), rotor),
+                    _ => encoder(&truth.link_2, self.rig.arm_m(), joint),
                 };
+                if channel == "force_1_n" && self.rough.contains(&Rough::Spikes) {
+                    self.glitch(name, &mut values);
+                }
                 for n in 1..values.len() {
                     if stale[n] {
                         values[n] = values[n - 1];
@@ -92,7 +112,13 @@ impl Logger<'_> {
     fn load_cell(&self, cell: usize, force: &[f64], time_s: &[f64], draws: &mut Draws) -> Vec<f64> {
         let (gain, bias) = (self.individual.gain[cell], self.individual.bias_n[cell]);
         let shown = |f: f64, t: f64, noise: f64| {
-            let value = gain * f + bias + FORCE_NOISE_N * noise;
+            let felt = match self.beyond {
+                Some(Beyond::DeadBandLoadCell { band_n }) if cell == 0 => {
+                    f.signum() * (f.abs() - band_n).max(0.0)
+                }
+                _ => f,
+            };
+            let value = gain * felt + bias + FORCE_NOISE_N * noise;
             match self.beyond {
                 Some(Beyond::ClippedLoadCell { limit_n }) if cell == 0 => value.clamp(-limit_n, limit_n),
                 Some(Beyond::DriftingBias { amplitude_n, period_s }) if cell == 0 => {
@@ -104,10 +130,28 @@ impl Logger<'_> {
         force.iter().zip(time_s).map(|(f, t)| shown(*f, *t, draws.normal())).collect()
     }
 
+    /// Adds spikes of either sign, at least a few rows apart.
+    fn glitch(&self, name: &str, values: &mut [f64]) {
+        let mut draws = Draws::of(self.seed, &format!("{name} spikes"));
+        let (share, (low, high)) = SPIKES;
+        let mut n = 0;
+        loop {
+            // On average one in every 1 / share rows.
+            n += 10 + draws.between(0.0, 2.0 * (1.0 / share - 10.0)) as usize;
+            let Some(value) = values.get_mut(n) else { break };
+            *value += draws.between(low, high) * draws.one_of(&[-1.0, 1.0]);
+        }
+    }
+
     /// Which rows repeat the one before.
     fn stale(&self, name: &str, rows: usize) -> Vec<bool> {
         let mut stale = vec![false; rows];
-        if let Some(Beyond::StaleSamples { share }) = self.beyond {
+        let share = match self.beyond {
+            Some(Beyond::StaleSamples { share }) => share,
+            _ if self.rough.contains(&Rough::RepeatedRows) => REPEATED,
+            _ => 0.0,
+        };
+        if share > 0.0 {
             let mut draws = Draws::of(self.seed, &format!("{name} stale"));
             // Of `mean` rows each, so that the share of all rows comes out.
             let mean = 0.5 * (1.0 + LONGEST_BURST);

@@ -6,12 +6,14 @@ mod hidden;
 mod individual;
 pub mod leg;
 mod logger;
+mod rough;
 mod strength;
 
 pub use commands::Planned;
 pub use draws::Draws;
 pub use hidden::{BEYOND, CATALOGUE, Hidden, PAIRS};
 pub use individual::{Individual, Stamp};
+pub use rough::Rough;
 pub use strength::reach;
 
 use logger::Logger;
@@ -54,7 +56,7 @@ impl Rig {
     }
 }
 
-/// Rows per second.
+/// Rows per second of a logger that is not slow.
 pub const RATE_HZ: f64 = 1000.0;
 
 /// Steps of the integrator per row: 10 us. Halving it changes no signal by a tenth of its noise, whatever is hidden.
@@ -76,8 +78,10 @@ pub struct Order {
     pub hidden: Vec<Hidden>,
     /// Duration of a run, s.
     pub duration_s: f64,
-    /// Steps of the integrator per row.
+    /// Steps of the integrator per row of a logger of the usual rate.
     pub substeps: usize,
+    /// What is rough about the log.
+    pub rough: Vec<Rough>,
 }
 
 /// A run as it was recorded.
@@ -106,6 +110,10 @@ pub struct Made {
     pub individual: Individual,
     /// What is hidden.
     pub hidden: Vec<Hidden>,
+    /// What is rough about the log.
+    pub rough: Vec<Rough>,
+    /// Rows per second.
+    pub rate_hz: f64,
 }
 
 /// The actuator that campaigns are made of.
@@ -123,6 +131,7 @@ impl Order {
         let individual = Individual::drawn(self.seed);
         let plain = individual.on(&spec, self.rig.bench());
         let machine = self.hidden.iter().fold(plain.clone(), |r, h| h.put_into(r));
+        let rate_hz = Rough::rate_hz(&self.rough, self.seed);
         let deflection_sensor = self.hidden.iter().any(|h| Hidden::needs_deflection_sensor(&h.id));
         let logger = Logger {
             rig: self.rig,
@@ -130,22 +139,63 @@ impl Order {
             individual: &individual,
             deflection_sensor,
             beyond: self.hidden.iter().find_map(|h| h.beyond),
+            rough: &self.rough,
             seed: self.seed,
-            period_s: 1.0 / RATE_HZ,
+            period_s: 1.0 / rate_hz,
         };
-        let runs = commands::plan(self.rig, self.seed, self.duration_s, RATE_HZ).map(|mut planned| {
-            self.keep_upright(&plain, &mut planned.command);
-            let truth = machine.run(1.0 / RATE_HZ, &planned.command, self.substeps);
-            MadeRun { holdout: planned.holdout, record: logger.write(planned.file, &planned.command, &truth) }
-        });
+        let planned = commands::plan(self.rig, self.seed, self.duration_s, rate_hz).into_iter();
+        let runs = planned.filter(|p| !(self.is(Rough::OneFitRun) && p.file == commands::SECOND_FIT)).map(
+            |mut planned| {
+                self.keep_upright(&plain, &mut planned.command);
+                if self.is(Rough::WeakExcitation) {
+                    commands::weaken(&mut planned.command);
+                }
+                let truth = self.recorded(&machine, &planned.command);
+                MadeRun {
+                    holdout: planned.holdout,
+                    record: logger.write(planned.file, &planned.command, &truth),
+                }
+            },
+        );
         Made {
             name: self.name.clone(),
             rig: self.rig,
             actuator: ACTUATOR,
-            noise_std: logger::sensors(self.rig, deflection_sensor),
-            runs: runs.to_vec(),
+            noise_std: logger::sensors(self.rig, deflection_sensor, &self.rough),
+            runs: runs.collect(),
             individual,
             hidden: self.hidden.clone(),
+            rough: self.rough.clone(),
+            rate_hz,
+        }
+    }
+
+    fn is(&self, rough: Rough) -> bool {
+        self.rough.contains(&rough)
+    }
+
+    /// Steps of the integrator in a row, when there are to be so many in one of the usual rate.
+    fn steps(&self, usual: usize) -> usize {
+        (usual as f64 * RATE_HZ / Rough::rate_hz(&self.rough, self.seed)).round() as usize
+    }
+
+    /// The true signals when the sensors are read.
+    fn recorded(&self, machine: &crate::Reference, command: &[f64]) -> crate::Outputs {
+        let period_s = 1.0 / Rough::rate_hz(&self.rough, self.seed);
+        let substeps = self.steps(self.substeps);
+        if !self.is(Rough::HalfPeriodLate) {
+            return machine.run(period_s, command, substeps);
+        }
+        // Two rows a period, of which the second is read.
+        let twice: Vec<f64> = command.iter().flat_map(|c| [*c, *c]).collect();
+        let all = machine.run(0.5 * period_s, &twice, substeps.div_ceil(2));
+        let late = |of: &[f64]| of.iter().skip(1).step_by(2).copied().collect();
+        crate::Outputs {
+            force_1: late(&all.force_1),
+            force_2: late(&all.force_2),
+            extension: late(&all.extension),
+            deflection: late(&all.deflection),
+            link_2: late(&all.link_2),
         }
     }
 
@@ -156,7 +206,7 @@ impl Order {
         }
         // A first look: coarse steps will do.
         let swing = |command: &[f64]| {
-            let x = plain.run(1.0 / RATE_HZ, command, 4).link_2;
+            let x = plain.run(1.0 / Rough::rate_hz(&self.rough, self.seed), command, self.steps(4)).link_2;
             x.iter().fold(0.0f64, |m, x| m.max(x.abs())) / self.rig.arm_m()
         };
         while swing(command) > MOST_SWING_RAD {
@@ -170,13 +220,17 @@ impl Made {
     #[must_use]
     pub fn description(&self) -> String {
         let mut text = format!(
-            "name = \"{}\"\nbench = \"{}\"\nactuator = \"{}\"\nsample_rate_hz = {RATE_HZ:.1}\n\n[noise_std]\n",
+            "name = \"{}\"\nbench = \"{}\"\nactuator = \"{}\"\nsample_rate_hz = {:.1}\n",
             self.name,
             self.rig.as_str(),
-            self.actuator
+            self.actuator,
+            self.rate_hz
         );
-        for (channel, std) in &self.noise_std {
-            let _ = writeln!(text, "{channel} = {std:.3e}");
+        if !self.rough.contains(&Rough::NoStatedNoise) {
+            text.push_str("\n[noise_std]\n");
+            for (channel, std) in &self.noise_std {
+                let _ = writeln!(text, "{channel} = {std:.3e}");
+            }
         }
         for run in &self.runs {
             let role = if run.holdout { "holdout" } else { "fit" };

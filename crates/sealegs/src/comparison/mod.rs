@@ -20,6 +20,7 @@ use sealegs_sysid::diagnose::fit_holding;
 use sealegs_sysid::frequency::{self, ChannelResponse};
 use sealegs_sysid::locate::{Location, locate};
 use sealegs_sysid::nuisance::Sensor;
+use sealegs_sysid::sanity::{self, Finding};
 use sealegs_sysid::structure::{self, StructureTest};
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role};
 
@@ -55,6 +56,8 @@ pub struct Compared<'a> {
     pub fit: Option<Fit>,
     /// Fit runs, then holdout runs, as far as there are any.
     pub parts: Vec<Part<'a>>,
+    /// What seems wrong with the log itself.
+    pub sanity: Vec<Finding>,
     /// Where the residual sits, all runs together.
     pub location: Location,
     /// What it depends on.
@@ -120,7 +123,9 @@ pub fn compare<'a>(
         parts.push(Part { role, data, before, after });
     }
     let work = parts.iter().map(|p| p.data.work()).fold((0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-    Ok(Compared::of(campaign, model.name(), fitted, parts, work))
+    let seen: &dyn Model = model;
+    let sanity = sanity::look(campaign, seen);
+    Ok(Compared::of(campaign, model.name(), fitted, parts, sanity, work))
 }
 
 impl<'a> Compared<'a> {
@@ -130,13 +135,14 @@ impl<'a> Compared<'a> {
         model: String,
         fit: Option<Fit>,
         parts: Vec<Part<'a>>,
+        sanity: Vec<Finding>,
         work: (u64, f64),
     ) -> Self {
         let shown: Vec<(&Data, &Evaluation)> = parts.iter().map(|p| (&p.data, p.shown())).collect();
         let (location, tests, responses) =
             (locate(&shown), structure::tests(&shown), frequency::responses(&shown));
         let floor = campaign.noise_floor();
-        Self { campaign, model, floor, fit, parts, location, tests, responses, work }
+        Self { campaign, model, floor, fit, parts, sanity, location, tests, responses, work }
     }
     /// The part of a role.
     #[must_use]

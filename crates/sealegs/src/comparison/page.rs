@@ -38,6 +38,7 @@ pub fn of(compared: &Compared, command: &str, provenance: &Provenance) -> String
     }
     let borrowed: Vec<_> = numbers.iter().map(|(a, b, c)| (a.as_str(), b.as_str(), c.as_str())).collect();
     page.numbers(&borrowed);
+    crate::sanity::section(&mut page, &compared.sanity);
     place(&mut page, compared);
     depends(&mut page, compared);
     motion(&mut page, compared);

@@ -130,6 +130,7 @@ impl Comparison {
             Ok(Part { role: *role, data, before: before.clone(), after: after.clone() })
         });
         let parts = parts.collect::<Result<Vec<_>>>()?;
-        Ok(Compared::of(&self.campaign, self.model.name(), self.fit.clone(), parts, self.work))
+        let sanity = self.summary.sanity.clone();
+        Ok(Compared::of(&self.campaign, self.model.name(), self.fit.clone(), parts, sanity, self.work))
     }
 }

@@ -3,6 +3,7 @@
 use super::{Compared, worst_of_response};
 use crate::diagnosis::outcome::{ParameterValue, SensorValue, parameters, sensors};
 use crate::diagnosis::provenance::Provenance;
+use sealegs_sysid::sanity::Finding;
 use sealegs_sysid::{Role, residual};
 use serde::Serialize;
 
@@ -19,6 +20,8 @@ pub struct Summary {
     pub as_is: bool,
     /// One sentence.
     pub sentence: String,
+    /// What seems wrong with the log itself.
+    pub sanity: Vec<Finding>,
     /// Errors with the model file's own values.
     pub given: Errors,
     /// Errors and values after the refit; as given if there was none.
@@ -164,6 +167,7 @@ impl Summary {
             noise_floor: compared.floor,
             as_is: fit.is_none(),
             sentence: compared.sentence(),
+            sanity: compared.sanity.clone(),
             given: Errors { holdout_error: before(Role::Holdout), fit_error: before(Role::Fit) },
             base: Base {
                 holdout_error: shown(Role::Holdout),

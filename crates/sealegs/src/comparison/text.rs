@@ -23,6 +23,10 @@ pub fn of(compared: &Compared, took: Duration) -> String {
         count(Role::Holdout),
         compared.sentence()
     );
+    let sanity = crate::sanity::text(&compared.sanity);
+    if !sanity.is_empty() {
+        let _ = writeln!(out, "{}", sanity.trim_start_matches('\n'));
+    }
     let _ = writeln!(out, "Error, rms of residual over noise     as given   refitted");
     for part in &compared.parts {
         let after = part.after.as_ref().map_or_else(|| "-".to_owned(), |e| figures(e.rms, 4));

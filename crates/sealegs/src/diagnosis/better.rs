@@ -267,6 +267,7 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
         next_experiment: String::new(),
         sentence,
         remainder: Vec::new(),
+        sanity: Vec::new(),
         notes: campaign.notes.clone(),
         work: Work { simulations: added.work.0, simulated_s: added.work.1 },
         provenance,

@@ -2,6 +2,7 @@
 
 use sealegs_sysid::Fit;
 use sealegs_sysid::diagnose::{Diagnosis, Judged, OpenChoice, Port, VerdictKind};
+use sealegs_sysid::sanity::Finding;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -45,6 +46,8 @@ pub struct Outcome {
     pub sentence: String,
     /// What is left and not explained: its frequency, what it follows, where it is largest; empty where nothing is left.
     pub remainder: Vec<String>,
+    /// What seems wrong with the log itself; found before anything was fitted.
+    pub sanity: Vec<Finding>,
     /// What else a reader should know: the files' oddities.
     pub notes: Vec<String>,
     /// What it cost.
@@ -142,7 +145,9 @@ pub struct CurveSaid {
 const NEARLY: f64 = 0.05;
 
 impl MissingSignal {
-    fn of(port: &Port) -> Self {
+    /// What is said of a port.
+    #[must_use]
+    pub fn of(port: &Port) -> Self {
         let (missing, depends) = (&port.missing, &port.depends);
         let best = depends.iter().map(|d| d.explained).fold(0.0, f64::max);
         let near = depends.iter().filter(|d| d.explained > best - NEARLY);
@@ -283,12 +288,13 @@ pub fn sensors(fit: &Fit) -> Vec<SensorValue> {
 }
 
 impl Outcome {
-    /// Everything that is said of a diagnosis; the next experiment comes from outside.
+    /// Everything that is said of a diagnosis; the next experiment and what is wrong with the log come from outside.
     #[must_use]
     pub fn new(
         campaign: &sealegs_sysid::Campaign,
         diagnosis: &Diagnosis,
         next_experiment: String,
+        sanity: Vec<Finding>,
         provenance: super::provenance::Provenance,
     ) -> Self {
         let verdict = &diagnosis.verdict;
@@ -346,6 +352,7 @@ impl Outcome {
             next_experiment,
             sentence: String::new(),
             remainder: verdict.remainder.clone(),
+            sanity,
             notes: campaign.notes.clone(),
             work: Work { simulations: diagnosis.simulations, simulated_s: diagnosis.simulated_s },
             provenance,

@@ -21,6 +21,7 @@ pub fn of(story: &Story) -> String {
     let mut page = Report::new(&format!("{}: {what}", outcome.campaign));
     page.subtitle(&outcome.provenance.model);
     verdict(&mut page, outcome);
+    crate::sanity::section(&mut page, &outcome.sanity);
     errors(&mut page, story);
     place(&mut page, &story.compared);
     depends(&mut page, &story.compared);

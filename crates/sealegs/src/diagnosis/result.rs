@@ -10,7 +10,7 @@ use crate::stoppable::{Stoppable, unless_stopped};
 use crate::{Options, Result, comparison};
 use sealegs_recorder::recording;
 use sealegs_sysid::diagnose::{self, Experiment};
-use sealegs_sysid::{Campaign, Role};
+use sealegs_sysid::{Campaign, Role, sanity};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -47,7 +47,8 @@ pub struct Diagnosis {
 /// # Errors
 ///
 /// Bad input in the model's or an effect's file, a campaign without fit or holdout runs, a model that cannot be
-/// simulated, [`Error::Stopped`](crate::Error::Stopped).
+/// simulated, a log that is not what its header says ([`Error::WrongLog`](crate::Error::WrongLog), unless
+/// [`Options::force`]), [`Error::Stopped`](crate::Error::Stopped).
 pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diagnosis> {
     let (started, options) = (Instant::now(), options.into());
     let mut campaign = campaign.clone();
@@ -55,6 +56,8 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
     campaign.require(Role::Fit)?;
     campaign.require(Role::Holdout)?;
     let stoppable = Stoppable::new(model.as_ref(), &options);
+    let wrong = sanity::look(&campaign, &stoppable);
+    crate::sanity::gate(&campaign.file, &wrong, options.force)?;
     let found = diagnose::diagnose(&campaign, &stoppable, &|p| options.tell(&message(&p)));
     let found = unless_stopped(&options, found)?;
     options.tell("planning the next experiment");
@@ -65,7 +68,7 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
         Some(e) => e.sentence.clone(),
         None => "There is nothing to tell apart, and so no experiment to propose.".to_owned(),
     };
-    let outcome = Outcome::new(&campaign, &found, next, provenance);
+    let outcome = Outcome::new(&campaign, &found, next, wrong, provenance);
     let command = options.command_of("sealegs::diagnose");
     Ok(Diagnosis { campaign, model, found, experiment, outcome, command, took: started.elapsed() })
 }

@@ -158,6 +158,7 @@ impl<'a> Story<'a> {
         let (location, tests, responses) =
             (locate(&before), structure::tests(&before), frequency::responses(&before));
         let compared = Compared {
+            sanity: outcome.sanity.clone(),
             campaign,
             model: model.name(),
             floor: outcome.noise_floor,

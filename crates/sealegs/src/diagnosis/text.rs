@@ -15,6 +15,7 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     let mut out = String::new();
     let o = &mut out;
     let _ = writeln!(o, "{}: {}", outcome.campaign, outcome.sentence);
+    o.push_str(&crate::sanity::text(&outcome.sanity));
     let _ = writeln!(o);
     for sentence in &outcome.remainder {
         let _ = writeln!(o, "  {sentence}");

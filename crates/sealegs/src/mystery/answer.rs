@@ -38,6 +38,12 @@ pub struct HiddenEffect {
     pub known: bool,
     /// Its numbers, named as in its card.
     pub parameters: Vec<Named>,
+    /// Where it acts, if the catalogue does not have it: `rotor`, `spring`, `sensor/force_1_n`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub port: Option<String>,
+    /// What it depends on, the most telling first, if the catalogue does not have it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub depends_on: Vec<String>,
 }
 
 /// A sensor's true errors.
@@ -69,6 +75,9 @@ pub struct Answer {
     pub base_error_is_estimate: bool,
     /// `start` or `end`: whether a row's command begins at its time stamp or ends there.
     pub stamp: String,
+    /// What is rough about the log; no effect.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rough: Vec<String>,
     /// What is hidden; empty where nothing is.
     #[serde(default)]
     pub effects: Vec<HiddenEffect>,
@@ -134,11 +143,23 @@ mod tests {
             base_error: 3.25,
             base_error_is_estimate: false,
             stamp: "end".to_owned(),
-            effects: vec![HiddenEffect {
-                id: "backlash".to_owned(),
-                known: true,
-                parameters: vec![Named { name: "gap_m".to_owned(), value: 1.0 / 3.0 }],
-            }],
+            rough: vec!["spikes".to_owned()],
+            effects: vec![
+                HiddenEffect {
+                    id: "backlash".to_owned(),
+                    known: true,
+                    parameters: vec![Named { name: "gap_m".to_owned(), value: 1.0 / 3.0 }],
+                    port: None,
+                    depends_on: Vec::new(),
+                },
+                HiddenEffect {
+                    id: "friction-bump".to_owned(),
+                    known: false,
+                    parameters: Vec::new(),
+                    port: Some("rotor".to_owned()),
+                    depends_on: vec!["position".to_owned()],
+                },
+            ],
             parameters: vec![Named { name: "stiffness".to_owned(), value: 6.5e5 }],
             sensors: Vec::new(),
         }

@@ -2,7 +2,7 @@
 
 use super::answer::{Answer, HiddenEffect, Named, TrueSensor};
 use super::{Level, Mystery};
-use crate::Result;
+use crate::{Error, Result};
 use sealegs_reference::campaign::leg::{
     LEG_CATALOGUE, LEG_PAIRS, LegOrder, MadeLeg, Plain, Scene, leg_place, leg_plain, leg_visible,
 };
@@ -12,11 +12,12 @@ use sealegs_reference::campaign::{Draws, Hidden};
 ///
 /// # Errors
 ///
-/// If a leg cannot be simulated.
+/// [`Error::NoSuchMystery`] for [`Level::Rough`]; otherwise if a leg cannot be simulated.
 pub fn leg_mystery(name: &str, seed: u64, level: Level) -> Result<Mystery> {
     let topic = match level {
         Level::Easy => "easy leg mystery",
         Level::Hard => "hard leg mystery",
+        Level::Rough => return Err(Error::NoSuchMystery),
     };
     let mut draws = Draws::of(seed, topic);
     let own = draws.seed();
@@ -39,7 +40,7 @@ pub fn leg_mystery(name: &str, seed: u64, level: Level) -> Result<Mystery> {
 fn choose(draws: &mut Draws, level: Level) -> (Vec<&'static str>, Plain) {
     match level {
         Level::Easy => (vec![draws.one_of(&LEG_CATALOGUE)], Plain::Dominant),
-        Level::Hard => match draws.one_of(&[0, 0, 1, 1, 2]) {
+        Level::Hard | Level::Rough => match draws.one_of(&[0, 0, 1, 1, 2]) {
             0 => (vec![draws.one_of(&LEG_CATALOGUE)], Plain::Weak),
             1 => (draws.one_of(&LEG_PAIRS).to_vec(), Plain::Middle),
             _ => (Vec::new(), Plain::Weak),
@@ -66,6 +67,8 @@ fn answer_of(made: &MadeLeg, seed: u64, base_error: f64) -> Answer {
         id: h.id.clone(),
         known: true,
         parameters: h.parameters.iter().map(|p| Named { name: p.0.to_owned(), value: p.1 }).collect(),
+        port: None,
+        depends_on: Vec::new(),
     };
     let sensors = made.sensors.iter().filter(|s| s.may_be_off());
     Answer {
@@ -75,6 +78,7 @@ fn answer_of(made: &MadeLeg, seed: u64, base_error: f64) -> Answer {
         base_error,
         base_error_is_estimate: true,
         stamp: "start".to_owned(),
+        rough: Vec::new(),
         effects: made.hidden.iter().map(effect).collect(),
         parameters: made
             .parameters

@@ -7,17 +7,21 @@
 
 pub mod answer;
 mod leg;
+pub mod located;
 mod reveal;
 pub mod score;
 pub mod trial;
 
 pub use leg::leg_mystery;
+pub use located::{Located, MissingSignal, located};
 pub use reveal::{Verdict, page};
 
 use crate::Result;
 use answer::{Answer, HiddenEffect, Named, TrueSensor};
 use sealegs_actuator::ActuatorSpec;
-use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
+use sealegs_reference::campaign::{
+    BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, Rough, SUBSTEPS,
+};
 use trial::Strength;
 
 /// How hard it is.
@@ -27,6 +31,9 @@ pub enum Level {
     Easy,
     /// A weak effect, two at once, nothing at all, or one that is in no catalogue.
     Hard,
+    /// A plain effect of the catalogue or nothing, in a log with one or two roughnesses: a slow logger, one load cell, no
+    /// stated noise, spikes, repeated rows, coarse encoders, a weak command, one fit run, sensors read late.
+    Rough,
 }
 
 /// A campaign's files, without the answer, and the answer.
@@ -52,8 +59,12 @@ pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> Result<My
     let topic = match level {
         Level::Easy => "easy mystery",
         Level::Hard => "hard mystery",
+        Level::Rough => "rough mystery",
     };
     let mut draws = Draws::of(seed, topic);
+    let rough = if level == Level::Rough { Rough::drawn(&mut draws) } else { Vec::new() };
+    // How strong an effect must be is looked for without the dirt: it would be taken for the effect.
+    let clean = rough.iter().copied().filter(|r| !r.is_dirt()).collect();
     let plain = Order {
         name: name.to_owned(),
         rig,
@@ -61,12 +72,14 @@ pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> Result<My
         hidden: Vec::new(),
         duration_s: DURATION_S,
         substeps: SUBSTEPS,
+        rough: clean,
     };
     loop {
         let (ids, strength) = choose(&mut draws, level);
         if let Some(hidden) = hide(&plain, &ids, strength)? {
-            let made = Order { hidden, ..plain }.make();
-            let base_error = trial::base_error(&made)?;
+            let order = Order { hidden, ..plain };
+            let base_error = trial::base_error(&order.make())?;
+            let made = Order { rough, ..order }.make();
             let answer = answer_of(&made, seed, base_error);
             return Ok(Mystery { runs: made.runs.len(), files: made.files(), answer });
         }
@@ -82,6 +95,11 @@ fn choose(draws: &mut Draws, level: Level) -> (Vec<&'static str>, Strength) {
             1 => (draws.one_of(&PAIRS).to_vec(), Strength::Middle),
             2 => (Vec::new(), Strength::Weak),
             _ => (vec![draws.one_of(&BEYOND)], Strength::Middle),
+        },
+        Level::Rough => match draws.one_of(&[0, 1, 1, 2]) {
+            0 => (Vec::new(), Strength::Weak),
+            1 => (vec![draws.one_of(&CATALOGUE)], Strength::Middle),
+            _ => (vec![draws.one_of(&CATALOGUE)], Strength::Dominant),
         },
     }
 }
@@ -113,6 +131,7 @@ fn answer_of(made: &Made, seed: u64, base_error: f64) -> Answer {
         base_error,
         base_error_is_estimate: false,
         stamp: made.individual.stamp.as_str().to_owned(),
+        rough: made.rough.iter().map(|r| r.as_str().to_owned()).collect(),
         effects: made
             .hidden
             .iter()
@@ -120,6 +139,10 @@ fn answer_of(made: &Made, seed: u64, base_error: f64) -> Answer {
                 id: h.id.clone(),
                 known: h.beyond.is_none(),
                 parameters: h.parameters.iter().map(named).collect(),
+                port: h.beyond.map(|b| b.whereabouts().port.to_owned()),
+                depends_on: h.beyond.map_or_else(Vec::new, |b| {
+                    b.whereabouts().depends_on.iter().map(|d| (*d).to_owned()).collect()
+                }),
             })
             .collect(),
         parameters: base.iter().map(named).collect(),

@@ -1,7 +1,8 @@
 //! The answer beside a user's verdict, as text.
 
 use super::answer::Answer;
-use super::score::{Score, score};
+use super::located::{Located, MissingSignal, located};
+use super::score::{Score, is_said_of_the_log, score};
 use crate::diagnosis::text::figures;
 use serde::Deserialize;
 use std::fmt::Write;
@@ -21,10 +22,23 @@ pub struct Verdict {
     /// What it cannot tell from that.
     #[serde(default)]
     pub indistinguishable: Vec<Vec<String>>,
+    /// What is missing, port by port, the most important first.
+    #[serde(default)]
+    pub missing_signals: Vec<MissingSignal>,
+    /// What was found wrong with the log itself.
+    #[serde(default)]
+    pub sanity: Vec<Wrong>,
     /// The base model.
     pub base: Side,
     /// The model with the effects.
     pub after: Option<Side>,
+}
+
+/// A finding about the log.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Wrong {
+    /// What it is, by its id.
+    pub problem: String,
 }
 
 /// A fitted model.
@@ -73,7 +87,18 @@ impl Verdict {
     pub fn score(&self, answer: &Answer) -> Score {
         let hidden: Vec<String> = answer.effects.iter().map(|e| e.id.clone()).collect();
         let known = answer.effects.iter().all(|e| e.known);
+        let sanity = self.sanity.iter().map(|w| w.problem.as_str());
+        if is_said_of_the_log(&hidden, &self.verdict, sanity) {
+            return Score::Right;
+        }
         score(&hidden, known, &self.verdict, &self.effects, &self.indistinguishable)
+    }
+
+    /// How the first of its missing signals stands against what is hidden, where that is in no catalogue.
+    #[must_use]
+    pub fn located(&self, answer: &Answer) -> Option<Located> {
+        let hidden = answer.effects.iter().find(|e| !e.known)?;
+        Some(located(hidden.port.as_deref()?, &hidden.depends_on, &self.missing_signals))
     }
 }
 
@@ -85,6 +110,19 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
     let _ = writeln!(out, "Hidden: {}.", list(&hidden));
     if answer.effects.iter().any(|e| !e.known) {
         out.push_str("It is in no catalogue: that nothing known explains it is the right answer.\n");
+    }
+    for effect in &answer.effects {
+        if let Some(port) = &effect.port {
+            let _ = writeln!(
+                out,
+                "{} acts at {port} and depends on {}.",
+                effect.id,
+                effect.depends_on.join(" and ")
+            );
+        }
+    }
+    if !answer.rough.is_empty() {
+        let _ = writeln!(out, "The log is rough: {}.", answer.rough.join(", "));
     }
     let _ = match (answer.base_error_is_estimate, answer.effects.is_empty()) {
         // Nothing was estimated of nothing.
@@ -108,6 +146,18 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
             let _ = writeln!(out, "It could not be told from: {}.", tied.join("; "));
         }
         let _ = writeln!(out, "Score: {score}: {}.", meaning(score, answer));
+        if let Some(located) = v.located(answer) {
+            let said = v.missing_signals.first().map_or_else(
+                || "nothing".to_owned(),
+                |s| format!("something at {}, by {}", s.port, s.depends_on.join(" and ")),
+            );
+            let verdict = match (located.port, located.dependence) {
+                (true, true) => "port and dependence right",
+                (true, false) => "port right, dependence wrong",
+                _ => "wrong",
+            };
+            let _ = writeln!(out, "As missing it says {said}: {verdict}.");
+        }
     }
     let side = verdict.map(|v| v.after.as_ref().unwrap_or(&v.base));
     let fitted = |name: &str| side?.parameters.iter().find(|p| p.name == name);

@@ -82,9 +82,29 @@ pub fn score(
     }
 }
 
+/// Whether all that is hidden is a fault of the log that was said as such (by the ids of its sanity findings), with nothing
+/// left to explain: rows that were not read are left out, and `adequate` is then the right verdict.
+#[must_use]
+pub fn is_said_of_the_log<'a>(
+    hidden: &[String],
+    verdict: &str,
+    mut sanity: impl Iterator<Item = &'a str>,
+) -> bool {
+    hidden == ["stale-samples"] && verdict == "adequate" && sanity.any(|p| p == "repeated-rows")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_that_were_not_read_are_right_where_they_are_said() {
+        let stale = ["stale-samples".to_owned()];
+        assert!(is_said_of_the_log(&stale, "adequate", ["spikes", "repeated-rows"].into_iter()));
+        assert!(!is_said_of_the_log(&stale, "adequate", ["spikes"].into_iter()));
+        assert!(!is_said_of_the_log(&stale, "missing-effect", ["repeated-rows"].into_iter()));
+        assert!(!is_said_of_the_log(&["backlash".to_owned()], "adequate", ["repeated-rows"].into_iter()));
+    }
 
     #[test]
     fn every_case_has_its_score() {

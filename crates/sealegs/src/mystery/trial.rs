@@ -5,7 +5,7 @@ use crate::bench_model;
 use sealegs_actuator::bench::BenchModel;
 use sealegs_model::Model;
 use sealegs_reference::campaign::{Hidden, Made, Order, Rig, reach};
-use sealegs_sysid::campaign::{Clock, NoiseOrigin, NoiseStd};
+use sealegs_sysid::campaign::{Clock, LeftOut, NoiseOrigin, NoiseStd};
 use sealegs_sysid::fit::{self, FitOptions};
 use sealegs_sysid::{Bench, Campaign, Data, Role, Run};
 use std::path::PathBuf;
@@ -50,10 +50,16 @@ impl Strength {
     /// what only the load cells (2 N) see can leave some tens at most.
     #[must_use]
     pub fn window(self, id: &str) -> (f64, f64) {
-        let seen_by_load_cells_only =
-            ["structural-mode", "sensor-lag", "sensor-delay@force", "clipped-load-cell", "drifting-bias"]
-                .iter()
-                .any(|of| id.starts_with(of));
+        let seen_by_load_cells_only = [
+            "structural-mode",
+            "sensor-lag",
+            "sensor-delay@force",
+            "clipped-load-cell",
+            "drifting-bias",
+            "dead-band-load-cell",
+        ]
+        .iter()
+        .any(|of| id.starts_with(of));
         match (self, seen_by_load_cells_only) {
             (Self::Weak, _) => (1.3, 1.5),
             (Self::Middle, true) => (2.5, 5.0),
@@ -81,6 +87,7 @@ pub fn campaign_of(made: &Made) -> Result<(Campaign, BenchModel)> {
         role: if made.holdout { Role::Holdout } else { Role::Fit },
         scenario: None,
         scored: 0..made.record.len(),
+        left_out: LeftOut::default(),
         unknown: Vec::new(),
         clock: Clock::of(&made.record.time_s, None),
         path: PathBuf::from(&made.record.name),

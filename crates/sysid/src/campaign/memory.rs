@@ -3,7 +3,7 @@
 use super::file::Description;
 use super::scored::{scored_rows, too_few_rows};
 use super::table::{Said, add_name, check_columns, check_length, later, sort};
-use super::{Bench, Campaign, Clock, Role, Run, clock};
+use super::{Bench, Campaign, Clock, LeftOut, Role, Run, clock};
 use crate::{Error, Place};
 use sealegs_model::{InputHold, Record};
 use std::path::{Path, PathBuf};
@@ -224,7 +224,8 @@ impl CampaignBuilder {
         }
         let clock = Clock::of(&record.time_s, self.sample_rate_hz);
         let scenario = run.scenario.clone();
-        Ok(Run { role: run.role, scenario, record, scored, unknown: table.unknown, clock, path })
+        let left_out = LeftOut::of(&record);
+        Ok(Run { role: run.role, scenario, record, scored, left_out, unknown: table.unknown, clock, path })
     }
 }
 

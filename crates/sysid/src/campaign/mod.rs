@@ -12,6 +12,7 @@ mod clock;
 mod csv_table;
 mod fence;
 mod file;
+mod left_out;
 mod memory;
 mod noise;
 mod parquet_table;
@@ -19,6 +20,7 @@ mod scored;
 mod table;
 
 pub use clock::{Clock, Gap};
+pub use left_out::{LeftOut, RARE, Spikes};
 pub use memory::{CampaignBuilder, RunColumns};
 pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
 
@@ -102,6 +104,8 @@ pub struct Run {
     pub record: Record,
     /// The rows that count for errors (`from_s`, `to_s`); the model still simulates from the first row.
     pub scored: Range<usize>,
+    /// Rows among them that do not count after all: repeated ones and spikes.
+    pub left_out: LeftOut,
     /// Columns that no bench knows, kept as they are.
     pub unknown: Vec<Signal>,
     /// How regular the time stamps are.
@@ -115,6 +119,14 @@ impl Run {
     #[must_use]
     pub fn is_in_memory(&self) -> bool {
         memory::is_in_memory(&self.path)
+    }
+
+    /// The rows that count for errors, those that are left out taken away; all, where hardly a row would stay.
+    #[must_use]
+    pub fn counted(&self) -> Vec<Range<usize>> {
+        let counted = self.left_out.counted(self.scored.clone());
+        let rows: usize = counted.iter().map(Range::len).sum();
+        if rows < FEWEST_ROWS { vec![self.scored.clone()] } else { counted }
     }
 }
 
@@ -202,7 +214,17 @@ impl Campaign {
                 }
                 let clock = Clock::of(&record.time_s, description.sample_rate_hz);
                 let scenario = run.scenario.clone();
-                Ok(Run { role: run.role, scenario, record, scored, unknown: table.unknown, clock, path })
+                let left_out = LeftOut::of(&record);
+                Ok(Run {
+                    role: run.role,
+                    scenario,
+                    record,
+                    scored,
+                    left_out,
+                    unknown: table.unknown,
+                    clock,
+                    path,
+                })
             })
             .collect();
         let runs = runs.into_iter().collect::<Result<Vec<Run>, Error>>()?;
@@ -379,7 +401,7 @@ impl Campaign {
     pub fn peak(&self, channel: &str) -> f64 {
         let of = |run: &Run| {
             let values = run.record.output(channel)?;
-            Some(values[run.scored.clone()].iter().fold(0.0f64, |p, v| p.max(v.abs())))
+            Some(run.counted().into_iter().flatten().fold(0.0f64, |p, i| p.max(values[i].abs())))
         };
         let fitted = self.runs_of(Role::Fit).filter_map(of).fold(0.0, f64::max);
         if fitted > 0.0 { fitted } else { self.runs.iter().filter_map(of).fold(0.0, f64::max) }

@@ -12,8 +12,11 @@
 //!   several steps apart see it, so that the widest of a few spacings wins where it agrees with a flat
 //!   stretch of the record; and repeats of a run see it whole, together with everything else that does
 //!   not repeat. The latter is reported as [`RepeatPair`], and never taken for sensor noise.
+//!
+//! Rows that repeat the one before, and spikes, are left out first: the former have no difference, the latter one of
+//! their own. Where fit runs have the column, they alone are asked: nothing of a holdout run is known before it judges.
 
-use super::Run;
+use super::{Role, Run};
 use crate::stats;
 use rayon::prelude::*;
 
@@ -71,8 +74,14 @@ pub(super) fn of_runs(runs: &[Run], stated: &[(String, f64)]) -> Vec<NoiseStd> {
     channels
         .into_par_iter()
         .map(|channel| {
-            let columns: Vec<&[f64]> = runs.iter().filter_map(|r| r.record.output(channel)).collect();
-            let from_differences = by_differences(&columns);
+            let of = |role: Option<Role>| -> Vec<Vec<f64>> {
+                let asked = runs.iter().filter(|r| role.is_none_or(|role| role == r.role));
+                asked.filter_map(|r| Some(r.left_out.fresh(channel, r.record.output(channel)?))).collect()
+            };
+            let fitted = of(Some(Role::Fit));
+            let columns = if fitted.is_empty() { of(None) } else { fitted };
+            let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+            let from_differences = by_differences(&slices);
             let quantum = columns.iter().filter_map(|c| quantum(c)).reduce(f64::min);
             let floor = quantum.map_or(0.0, |q| q / 12f64.sqrt());
             let peak = columns.iter().flat_map(|c| c.iter()).fold(0.0f64, |p, v| p.max(v.abs()));
@@ -89,7 +98,7 @@ pub(super) fn of_runs(runs: &[Run], stated: &[(String, f64)]) -> Vec<NoiseStd> {
 }
 
 /// The standard deviation of white noise that third differences show where they are quiet.
-fn by_differences(columns: &[&[f64]]) -> f64 {
+pub(super) fn by_differences(columns: &[&[f64]]) -> f64 {
     let spacing_estimate = |spacing: usize| {
         let mut windows = Vec::new();
         for column in columns {
@@ -156,13 +165,14 @@ fn alike(a: &Run, b: &Run) -> bool {
         return false;
     }
     let (mut sum, mut count) = (0.0, 0.0);
-    for i in a.scored.clone() {
+    for i in a.counted().into_iter().flatten() {
         if let Some(other) = crate::resample::at(&rb.time_s, &ib.values, ra.time_s[i]) {
             sum += (other - ia.values[i]).powi(2);
             count += 1.0;
         }
     }
-    count > 0.9 * a.scored.len() as f64 && (sum / count).sqrt() < 0.03 * sa
+    count > 0.9 * a.counted().iter().map(std::ops::Range::len).sum::<usize>() as f64
+        && (sum / count).sqrt() < 0.03 * sa
 }
 
 /// What differs between the outputs of two such runs.
@@ -171,9 +181,12 @@ fn difference(runs: &[Run], a: usize, b: usize) -> Vec<RepeatPair> {
     let mut pairs = Vec::new();
     for signal in &ra.outputs {
         let Some(other) = rb.output(&signal.channel) else { continue };
+        let spikes = runs[b].left_out.rows();
         let d: Vec<f64> = runs[a]
-            .scored
-            .clone()
+            .counted()
+            .into_iter()
+            .flatten()
+            .filter(|&i| !beside(&spikes, &rb.time_s, ra.time_s[i]))
             .filter_map(|i| Some(signal.values[i] - crate::resample::at(&rb.time_s, other, ra.time_s[i])?))
             .collect();
         pairs.push(RepeatPair {
@@ -184,6 +197,12 @@ fn difference(runs: &[Run], a: usize, b: usize) -> Vec<RepeatPair> {
         });
     }
     pairs
+}
+
+/// Whether one of two neighbouring rows around a time is among these.
+fn beside(rows: &[usize], time_s: &[f64], t: f64) -> bool {
+    let after = time_s.partition_point(|&x| x < t);
+    rows.binary_search(&after).is_ok() || after.checked_sub(1).is_some_and(|k| rows.binary_search(&k).is_ok())
 }
 
 #[cfg(test)]
@@ -215,5 +234,73 @@ mod tests {
         let mut noise = Noise::new(2);
         let continuous: Vec<f64> = (0..400).map(|_| noise.normal()).collect();
         assert_eq!(quantum(&continuous), None);
+    }
+
+    #[test]
+    fn a_coarse_encoder_has_the_error_of_its_count_at_rest_and_in_motion() {
+        let q = std::f64::consts::TAU / 128.0;
+        for speed in [0.0003, 0.002, 0.05] {
+            let values: Vec<f64> =
+                (0..6000).map(|i| ((2.0 * (f64::from(i) * speed).sin()) / q).round() * q).collect();
+            let run = run_of(vec![("motor_angle_rad", values)]);
+            let noise = &of_runs(&[run], &[])[0];
+            let ratio = noise.std / (q / 12f64.sqrt());
+            // In motion neighbouring errors are independent, and the differences see them a little wide.
+            assert!((0.99..1.4).contains(&ratio), "{speed}: {ratio}");
+            assert!((noise.quantum.unwrap() / q - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn repeated_rows_and_spikes_do_not_hide_the_noise() {
+        let mut noise = Noise::new(9);
+        let mut values: Vec<f64> =
+            (0..8000).map(|i| 50.0 * (f64::from(i) * 0.002).sin() + 2.0 * noise.normal()).collect();
+        // A sensor that is read every fifth row, and off now and then.
+        for i in 0..values.len() {
+            let glitch = if i % 300 == 30 { 400.0 } else { 0.0 };
+            values[i] = if i % 5 == 0 { values[i] + glitch } else { values[i - i % 5] };
+        }
+        let naive = by_differences(&[&values]);
+        assert!(naive < 1.5, "most of the rows are no news: {naive}");
+        let run = run_of(vec![("force_1_n", values)]);
+        assert_eq!((run.left_out.repeated.len(), run.left_out.spikes[0].rows.len()), (6400, 27));
+        let found = &of_runs(&[run], &[])[0];
+        assert!((found.std / 2.0 - 1.0).abs() < 0.1, "{found:?}");
+    }
+
+    #[test]
+    fn a_holdout_run_says_nothing_of_the_noise_where_a_fit_run_does() {
+        let mut noise = Noise::new(4);
+        let mut column = |std: f64| (0..2000).map(|_| std * noise.normal()).collect::<Vec<f64>>();
+        let fit = run_of(vec![("force_1_n", column(2.0))]);
+        let holdout = Run { role: Role::Holdout, ..run_of(vec![("force_1_n", column(0.1))]) };
+        let alone = of_runs(std::slice::from_ref(&fit), &[]);
+        assert_eq!(of_runs(&[fit, holdout], &[]), alone);
+    }
+
+    fn run_of(columns: Vec<(&str, Vec<f64>)>) -> Run {
+        let n = columns[0].1.len();
+        let outputs = columns
+            .into_iter()
+            .map(|(channel, values)| sealegs_model::Signal { channel: channel.to_owned(), values })
+            .collect();
+        let record = sealegs_model::Record {
+            name: "r".into(),
+            time_s: (0..n).map(|i| 1e-3 * i as f64).collect(),
+            hold: sealegs_model::InputHold::ZeroOrder,
+            inputs: Vec::new(),
+            outputs,
+        };
+        Run {
+            role: Role::Fit,
+            scenario: None,
+            scored: 0..n,
+            left_out: crate::campaign::LeftOut::of(&record),
+            unknown: Vec::new(),
+            clock: crate::campaign::Clock::of(&record.time_s, None),
+            path: "r".into(),
+            record,
+        }
     }
 }

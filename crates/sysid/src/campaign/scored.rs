@@ -1,6 +1,7 @@
 //! Which rows of a run count for errors.
 
 use super::{FEWEST_ROWS, NoiseStd, Run};
+use sealegs_model::Unit;
 use std::ops::Range;
 
 /// The message for bounds that leave too little.
@@ -15,8 +16,9 @@ pub(super) fn scored_rows(time_s: &[f64], from_s: Option<f64>, to_s: Option<f64>
     (start + FEWEST_ROWS <= end).then_some(start..end)
 }
 
-/// A jump from the first row to the second beyond this many times the noise, and this share of all that the
-/// channel does, is no answer to the first command: the rig was in motion.
+/// A jump of a sensor from the first row to the second beyond this many times the noise, and this share of all that the
+/// channel does, is no answer to the first command: the rig was in motion. A drive's current is none of the rig's motion:
+/// it jumps to whatever the controller begins with.
 const IN_MOTION: (f64, f64) = (20.0, 0.02);
 
 /// Share of a run that begins in motion that does not count: models begin at rest, and forget that.
@@ -25,7 +27,8 @@ const FORGOTTEN: f64 = 0.05;
 /// Leaves the beginning of a run that begins in motion out of what counts, unless the campaign says where to begin;
 /// returns a remark.
 pub(super) fn skip_start_in_motion(run: &mut Run, noise: &[NoiseStd]) -> Option<String> {
-    let moves = run.record.outputs.iter().any(|s| {
+    let sensors = run.record.outputs.iter().filter(|s| Unit::of_channel(&s.channel) != Ok(Unit::Ampere));
+    let moves = sensors.filter(|s| !run.left_out.has_spike(&s.channel, 0..2)).any(|s| {
         let std = noise.iter().find(|n| n.channel == s.channel).map_or(0.0, |n| n.std);
         let (low, high) = s.values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
         let jump = (s.values[1] - s.values[0]).abs();

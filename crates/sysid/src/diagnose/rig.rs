@@ -7,7 +7,7 @@ use super::experiment::Limits;
 use crate::data::Data;
 use crate::stats;
 use rayon::prelude::*;
-use sealegs_model::{Prediction, Record, Signal};
+use sealegs_model::{Prediction, Record, Signal, Unit};
 
 /// Longest excitation, s.
 const LONGEST_S: f64 = 20.0;
@@ -46,7 +46,7 @@ impl<'a> Rig<'a> {
     /// What the input has been seen to bear; `None` if there is none, or none that ever changed inside the limits.
     pub fn excite(&self, limits: Limits) -> Option<Excite> {
         let data = self.data;
-        data.runs.first()?.record.inputs.first()?;
+        let input = data.runs.first()?.record.inputs.first()?;
         let inputs =
             || data.runs.iter().flat_map(|r| &r.record.inputs).flat_map(|s| s.values.iter().copied());
         let (low, high) = inputs().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -73,6 +73,7 @@ impl<'a> Rig<'a> {
             centre,
             duration_s: longest.clamp(SHORTEST_S, LONGEST_S),
             period_s: round_period(stats::median(&periods)),
+            unit: Unit::of_channel(&input.channel).map_or("", Unit::symbol),
         })
     }
 

@@ -176,6 +176,9 @@ pub fn quiet_start(input: &[f64], predicted: &[f64], noise_std: f64) -> usize {
     if quiet < QUIET_ROWS { 0 } else { quiet }
 }
 
+/// Robust standard deviations beyond which a row of a quiet start is a spike and says nothing of the zero.
+const SPIKE: f64 = 10.0;
+
 /// The bias with which a held-out run is judged: its quiet start weighed against the common bias.
 ///
 /// `measured` and `predicted` are the whole run, `quiet` the number of its rows in the quiet start.
@@ -184,7 +187,11 @@ pub fn judge_zero(sensor: &Sensor, noise_std: f64, measured: &[f64], predicted: 
     if quiet == 0 {
         return sensor.bias;
     }
-    let offsets: Vec<f64> = (0..quiet).map(|i| measured[i] - sensor.gain * predicted[i]).collect();
+    let mut offsets: Vec<f64> = (0..quiet).map(|i| measured[i] - sensor.gain * predicted[i]).collect();
+    let middle = crate::stats::median(&offsets);
+    let apart: Vec<f64> = offsets.iter().map(|o| (o - middle).abs()).collect();
+    let scale = noise_std.max(1.4826 * crate::stats::median(&apart));
+    offsets.retain(|o| (o - middle).abs() <= SPIKE * scale);
     let mean = crate::stats::mean(&offsets);
     // Neighbouring samples of a slow sensor are alike: at most one in ten is taken as independent, and at
     // least one is.
@@ -252,6 +259,10 @@ mod tests {
         let measured: Vec<f64> = (0..400).map(|_| 7.0 + 2.0 * noise.normal()).collect();
         let zero = judge_zero(&tared, 2.0, &measured, &predicted, quiet);
         assert!((zero - 7.0).abs() < 0.6, "{zero}");
+        let mut glitch = measured.clone();
+        glitch[40] += 400.0;
+        let spiked = judge_zero(&tared, 2.0, &glitch, &predicted, quiet);
+        assert!((spiked - zero).abs() < 0.05, "{spiked} {zero}");
         let common = judge_zero(&agreed, 2.0, &measured[..2], &predicted[..2], 2);
         assert!((common - 1.0).abs() < 0.3, "{common}");
         assert_eq!(judge_zero(&agreed, 2.0, &measured, &predicted, 0), agreed.bias);

@@ -1,0 +1,55 @@
+//! What is wrong with a log, as every verb shows it, and the refusal to diagnose it.
+
+use crate::{Error, Result};
+use sealegs_recorder::report::{Report, Table};
+use sealegs_sysid::sanity::{self, Finding};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// A heading and two lines a finding, with an empty line before; nothing where nothing was found.
+#[must_use]
+pub fn text(findings: &[Finding]) -> String {
+    let mut out = String::new();
+    if findings.is_empty() {
+        return out;
+    }
+    out.push_str("\nThe log itself\n");
+    for finding in findings {
+        let mark = if finding.stops() { "!" } else { " " };
+        let _ = writeln!(out, "{mark} {}\n    {}", finding.evidence, finding.cure);
+    }
+    if findings.iter().any(Finding::stops) {
+        out.push_str("  What is marked with ! stops a diagnosis.\n");
+    }
+    out
+}
+
+/// The same as a section of a page.
+pub fn section(page: &mut Report, findings: &[Finding]) {
+    if findings.is_empty() {
+        return;
+    }
+    page.section("The log itself");
+    let mut table = Table::new().words("what was found").words("cure");
+    for finding in findings {
+        let cells = [finding.evidence.clone(), finding.cure.clone()];
+        if finding.stops() {
+            table.strong_row(cells)
+        } else {
+            table.row(cells)
+        };
+    }
+    page.table(&table, "Found before anything was fitted. What stands out stops a diagnosis.");
+}
+
+/// Refuses to go on with a log that is not what its header says, unless `force`.
+///
+/// # Errors
+///
+/// [`Error::WrongLog`]: the first of the findings that stop, with its cure.
+pub fn gate(campaign: &Path, findings: &[Finding], force: bool) -> Result<()> {
+    match sanity::stop(findings) {
+        Some(why) if !force => Err(Error::WrongLog { campaign: campaign.to_owned(), why }),
+        _ => Ok(()),
+    }
+}
