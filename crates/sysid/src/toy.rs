@@ -204,6 +204,7 @@ pub(crate) fn campaign(
         runs: runs
             .into_iter()
             .map(|(role, record)| Run {
+                rig: crate::campaign::RigValues::default(),
                 role,
                 scenario: None,
                 scored: 0..record.len(),

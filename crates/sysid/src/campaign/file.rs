@@ -33,6 +33,8 @@ pub(super) struct RunEntry {
     pub scenario: Option<String>,
     pub from_s: Option<f64>,
     pub to_s: Option<f64>,
+    /// Its own masses and lengths, or the campaign's.
+    pub rig: super::RigValues,
     /// The line of its `file` key.
     pub line: u64,
 }
@@ -89,9 +91,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
     let bench = match raw.bench.get_ref().as_str() {
         "locked" => Bench::Locked,
         "pendulum" => Bench::Pendulum,
+        "free" => Bench::Free,
         "leg" => Bench::Leg,
         other => {
-            let problem = unknown("bench", other, &["locked", "pendulum", "leg"]);
+            let problem = unknown("bench", other, &["locked", "pendulum", "free", "leg"]);
             return Err(Error::bad(path, line(raw.bench.span()), Some("bench"), problem));
         }
     };
@@ -138,11 +141,12 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         noise_std.push((channel.clone(), positive(value, &format!("noise_std.{channel}"))?));
     }
 
+    let rigs = super::rig::of_runs(path, text, bench)?;
     if raw.run.is_empty() {
         return Err(Error::bad(path, None, Some("run"), "no [[run]]; a campaign needs at least one"));
     }
     let mut runs: Vec<RunEntry> = Vec::new();
-    for run in &raw.run {
+    for (run, rig) in raw.run.iter().zip(rigs) {
         let role = match run.role.get_ref().as_str() {
             "fit" => Role::Fit,
             "holdout" => Role::Holdout,
@@ -166,11 +170,16 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
             scenario: run.scenario.as_ref().map(|s| s.get_ref().clone()),
             from_s: bound(&run.from_s, "from_s")?,
             to_s: bound(&run.to_s, "to_s")?,
+            rig,
             line: line(run.file.span()),
         };
         if runs.iter().any(|r| r.file == entry.file && r.scenario != entry.scenario) {
             let problem = format!("'{}' stands here with two scenarios", entry.file);
             return Err(Error::bad(path, entry.line, Some("scenario"), problem));
+        }
+        if runs.iter().any(|r| r.file == entry.file && r.rig != entry.rig) {
+            let problem = format!("'{}' stands here on two rigs", entry.file);
+            return Err(Error::bad(path, entry.line, Some("file"), problem));
         }
         if let Some(before) = runs.iter().find(|r| r.file == entry.file && r.role != entry.role) {
             let apart = entry.from_s.zip(before.to_s).is_some_and(|(a, b)| a >= b)
@@ -227,7 +236,10 @@ fn unknown_with_hints(text: &str) -> Vec<(String, String)> {
     };
     let runs = table.get("run").and_then(toml::Value::as_array).into_iter().flatten();
     let of_runs = runs.filter_map(toml::Value::as_table).flat_map(|run| of(run, &RUN_KEYS));
-    of(&table, &KEYS).into_iter().chain(of_runs).collect()
+    let known = |table: (String, String)| {
+        Some(table).filter(|(key, _)| !super::rig::RIG_KEYS.contains(&key.as_str()))
+    };
+    of(&table, &KEYS).into_iter().chain(of_runs).filter_map(known).collect()
 }
 
 /// `unknown role 'hold-out'; did you mean 'holdout'? (known: fit, holdout)`

@@ -14,10 +14,12 @@ mod fence;
 mod file;
 mod noise;
 mod parquet_table;
+mod rig;
 mod table;
 
 pub use clock::{Clock, Gap};
 pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
+pub use rig::RigValues;
 
 use crate::nuisance::SensorPrior;
 use crate::{Error, stats};
@@ -27,10 +29,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Columns that are commands to the motor; a run of a bench has exactly one of them.
-pub const INPUT_COLUMNS: [&str; 3] = ["current_a", "motor_force_n", "motor_torque_nm"];
+pub const INPUT_COLUMNS: [&str; 6] =
+    ["current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm", "voltage_v", "position_rad"];
+
+/// Columns that a drive reads beside its command: switched on or not, its measured supply.
+pub const SIDE_COLUMNS: [&str; 2] = ["enable", "supply_v"];
 
 /// Columns that a bench's sensors may have recorded.
-pub const OUTPUT_COLUMNS: [&str; 8] = [
+pub const OUTPUT_COLUMNS: [&str; 11] = [
     "force_1_n",
     "force_2_n",
     "motor_angle_rad",
@@ -39,6 +45,9 @@ pub const OUTPUT_COLUMNS: [&str; 8] = [
     "output_torque_nm",
     "spring_torque_nm",
     "spring_deflection_rad",
+    "position_m",
+    "speed_m_s",
+    "speed_rad_s",
 ];
 
 /// Fewest rows that a run, and the part of it that counts, may have.
@@ -51,6 +60,8 @@ pub enum Bench {
     Locked,
     /// The screw side turns a lever with a weight: the moving-output bench.
     Pendulum,
+    /// The output moves a load freely: a carriage, a rotor with an inertia.
+    Free,
     /// A whole leg, by a scenario.
     Leg,
 }
@@ -62,6 +73,7 @@ impl Bench {
         match self {
             Self::Locked => "locked",
             Self::Pendulum => "pendulum",
+            Self::Free => "free",
             Self::Leg => "leg",
         }
     }
@@ -94,7 +106,9 @@ pub struct Run {
     pub role: Role,
     /// For a leg: its own scenario in place of the campaign's, a preset's name or a file beside the campaign's.
     pub scenario: Option<String>,
-    /// Time stamps, the input and the known output columns, all rows of the file. Its name is the file's.
+    /// Its rig's own numbers.
+    pub rig: RigValues,
+    /// Time stamps, the input first of the inputs, and the known output columns, all rows of the file. Its name is the file's.
     pub record: Record,
     /// The rows that count for errors (`from_s`, `to_s`); the model still simulates from the first row.
     pub scored: Range<usize>,
@@ -195,7 +209,16 @@ impl Campaign {
                 }
                 let clock = Clock::of(&record.time_s, description.sample_rate_hz);
                 let scenario = run.scenario.clone();
-                Ok(Run { role: run.role, scenario, record, scored, unknown: table.unknown, clock, path })
+                Ok(Run {
+                    role: run.role,
+                    scenario,
+                    rig: run.rig,
+                    record,
+                    scored,
+                    unknown: table.unknown,
+                    clock,
+                    path,
+                })
             })
             .collect();
         let runs = runs.into_iter().collect::<Result<Vec<Run>, Error>>()?;
@@ -217,7 +240,8 @@ impl Campaign {
         let repeats = noise::repeats(&runs);
         let noise = noise::of_runs(&runs, &description.noise_std);
         let mut runs = runs;
-        for run in &mut runs {
+        // The model of a drive without a spring begins in motion, as its run does.
+        for run in runs.iter_mut().filter(|_| description.bench != Bench::Free) {
             notes.extend(skip_start_in_motion(run, &noise));
         }
         Ok(Self {

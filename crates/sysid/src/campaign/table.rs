@@ -1,7 +1,7 @@
 //! One run's table, whatever it was stored as: what is asked of its columns, and the columns sorted by what they are.
 
 use super::file::did_you_mean;
-use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, OUTPUT_COLUMNS, csv_table, parquet_table};
+use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, OUTPUT_COLUMNS, SIDE_COLUMNS, csv_table, parquet_table};
 use crate::{Error, Place};
 use sealegs_model::{Signal, Unit};
 use std::path::Path;
@@ -139,6 +139,7 @@ pub(super) fn check_length(path: &Path, rows: usize) -> Result<(), Error> {
 pub(super) fn sort(names: Vec<String>, columns: Vec<Vec<f64>>, said: Said) -> Table {
     let mut table =
         Table { time_s: Vec::new(), inputs: Vec::new(), outputs: Vec::new(), unknown: Vec::new() };
+    let mut beside = Vec::new();
     for (channel, values) in names.into_iter().zip(columns) {
         let leg_output = said.bench == Bench::Leg && channel.contains('.');
         if channel == "time_s" {
@@ -147,11 +148,15 @@ pub(super) fn sort(names: Vec<String>, columns: Vec<Vec<f64>>, said: Said) -> Ta
             || (said.bench != Bench::Leg && INPUT_COLUMNS.contains(&channel.as_str()))
         {
             table.inputs.push(Signal { channel, values });
+        } else if said.bench != Bench::Leg && SIDE_COLUMNS.contains(&channel.as_str()) {
+            beside.push(Signal { channel, values });
         } else if leg_output || OUTPUT_COLUMNS.contains(&channel.as_str()) {
             table.outputs.push(Signal { channel, values });
         } else {
             table.unknown.push(Signal { channel, values });
         }
     }
+    // After the command, which is the first of the inputs.
+    table.inputs.append(&mut beside);
     table
 }
