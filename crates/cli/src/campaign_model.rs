@@ -3,7 +3,7 @@
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::provenance::Provenance;
 use crate::failure::OrBadInput;
-use crate::{bench_model, leg_model};
+use crate::{bench_model, leg_model, robot_model};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_model::Model;
@@ -71,6 +71,7 @@ pub fn with_own_effects(
         .collect::<anyhow::Result<Vec<_>>>()?;
     let model: Box<dyn CampaignModel> = match campaign.bench {
         campaign::Bench::Leg => Box::new(leg_model::of_campaign(campaign, model, own)?),
+        campaign::Bench::Robot => Box::new(robot_model::of_campaign(campaign, model, &own)?),
         _ => Box::new(bench_model::of_campaign(campaign, model, own)?),
     };
     let seen: &dyn Model = model.as_ref();
@@ -92,7 +93,7 @@ pub(crate) fn was_fitted_here(
     let runs = Provenance::new(String::new(), runs)?;
     let own = runs.inputs.iter().any(|run| inputs.contains(&run.sha256));
     if own {
-        let stated = campaign.scenario.as_ref().unwrap_or(&campaign.actuator);
+        let stated = campaign.scenario.as_ref().or(campaign.robot.as_ref()).unwrap_or(&campaign.actuator);
         let file = model.map_or_else(|| campaign.folder().join(stated), Path::to_owned);
         campaign.notes.push(format!(
             "{}: was fitted to runs of this campaign; its standard errors do not count as known beforehand",

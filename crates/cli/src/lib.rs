@@ -13,6 +13,7 @@ mod leg_scene;
 pub mod mystery;
 pub mod output;
 pub mod reproduce;
+pub mod robot_model;
 pub mod verb;
 
 use clap::Parser;

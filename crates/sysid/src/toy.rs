@@ -195,6 +195,7 @@ pub(crate) fn campaign(
         name: "toy".into(),
         file: "toy/campaign.toml".into(),
         bench: Bench::Locked,
+        robot: None,
         actuator: "toy".into(),
         scenario: None,
         model_line: None,

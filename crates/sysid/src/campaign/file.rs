@@ -14,6 +14,8 @@ pub(super) struct Description {
     pub bench: Bench,
     pub actuator: String,
     pub scenario: Option<String>,
+    /// For a robot: its URDF or model file.
+    pub robot: Option<String>,
     /// The line that names the actuator, for a leg the scenario.
     pub model_line: Option<u64>,
     /// For a leg: columns that are commands.
@@ -45,6 +47,7 @@ struct RawCampaign {
     bench: Spanned<String>,
     actuator: Option<Spanned<String>>,
     scenario: Option<Spanned<String>>,
+    robot: Option<Spanned<String>>,
     inputs: Option<Spanned<Vec<String>>>,
     sample_rate_hz: Option<Spanned<f64>>,
     input_hold: Option<Spanned<String>>,
@@ -63,8 +66,18 @@ struct RawRun {
     to_s: Option<Spanned<f64>>,
 }
 
-const KEYS: [&str; 9] =
-    ["name", "bench", "actuator", "scenario", "inputs", "sample_rate_hz", "input_hold", "noise_std", "run"];
+const KEYS: [&str; 10] = [
+    "name",
+    "bench",
+    "actuator",
+    "scenario",
+    "robot",
+    "inputs",
+    "sample_rate_hz",
+    "input_hold",
+    "noise_std",
+    "run",
+];
 const RUN_KEYS: [&str; 5] = ["file", "role", "scenario", "from_s", "to_s"];
 
 /// Reads and checks a campaign file; the tables it names are not touched.
@@ -92,9 +105,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         "locked" => Bench::Locked,
         "pendulum" => Bench::Pendulum,
         "free" => Bench::Free,
+        "robot" => Bench::Robot,
         "leg" => Bench::Leg,
         other => {
-            let problem = unknown("bench", other, &["locked", "pendulum", "free", "leg"]);
+            let problem = unknown("bench", other, &["locked", "pendulum", "free", "robot", "leg"]);
             return Err(Error::bad(path, line(raw.bench.span()), Some("bench"), problem));
         }
     };
@@ -106,7 +120,14 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
             "is missing; a leg needs one",
         ));
     }
-    if bench != Bench::Leg && raw.actuator.as_ref().is_none_or(|a| a.get_ref().trim().is_empty()) {
+    if bench == Bench::Robot && raw.robot.is_none() {
+        let problem = "is missing; it names the URDF or the robot's model file";
+        return Err(Error::bad(path, line(raw.bench.span()), Some("robot"), problem));
+    }
+    if let Some(robot) = raw.robot.as_ref().filter(|_| bench != Bench::Robot) {
+        return Err(Error::bad(path, line(robot.span()), Some("robot"), "is for the bench 'robot'"));
+    }
+    if !bench.has_joints() && raw.actuator.as_ref().is_none_or(|a| a.get_ref().trim().is_empty()) {
         return Err(Error::bad(path, raw.actuator.map(|a| line(a.span())), Some("actuator"), "is missing"));
     }
     if let Some(inputs) = raw.inputs.as_ref().filter(|_| bench != Bench::Leg) {
@@ -198,13 +219,18 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         folder.file_name().map_or_else(|| "campaign".to_owned(), |n| n.to_string_lossy().into_owned())
     };
-    let model = if bench == Bench::Leg { &raw.scenario } else { &raw.actuator };
+    let model = match bench {
+        Bench::Leg => &raw.scenario,
+        Bench::Robot => &raw.robot,
+        _ => &raw.actuator,
+    };
     Ok(Description {
         model_line: model.as_ref().map(|m| line(m.span())),
         name: raw.name.unwrap_or_else(folder_name),
         bench,
         actuator: raw.actuator.map(Spanned::into_inner).unwrap_or_default(),
         scenario: raw.scenario.map(Spanned::into_inner),
+        robot: raw.robot.map(Spanned::into_inner),
         inputs: raw.inputs.map(Spanned::into_inner).unwrap_or_default(),
         sample_rate_hz,
         hold,

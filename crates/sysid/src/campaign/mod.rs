@@ -62,11 +62,19 @@ pub enum Bench {
     Pendulum,
     /// The output moves a load freely: a carriage, a rotor with an inertia.
     Free,
+    /// A robot on a fixed base or a rail with torque drives on its joints.
+    Robot,
     /// A whole leg, by a scenario.
     Leg,
 }
 
 impl Bench {
+    /// Whether it has joints, whose columns are called `<joint>.<what>`.
+    #[must_use]
+    pub fn has_joints(self) -> bool {
+        matches!(self, Self::Robot | Self::Leg)
+    }
+
     /// The name in files.
     #[must_use]
     pub fn as_str(self) -> &'static str {
@@ -74,6 +82,7 @@ impl Bench {
             Self::Locked => "locked",
             Self::Pendulum => "pendulum",
             Self::Free => "free",
+            Self::Robot => "robot",
             Self::Leg => "leg",
         }
     }
@@ -129,10 +138,12 @@ pub struct Campaign {
     pub file: PathBuf,
     /// What it was recorded on.
     pub bench: Bench,
-    /// A preset's name, or a path beside the campaign file; empty only for a leg.
+    /// A preset's name, or a path beside the campaign file; may be empty for a leg and for a robot's own model file.
     pub actuator: String,
     /// For a leg: the scenario's preset or file.
     pub scenario: Option<String>,
+    /// For a robot: its URDF or model file, beside the campaign's.
+    pub robot: Option<String>,
     /// The line of the campaign file that names the actuator or the scenario, if it was read from one.
     pub model_line: Option<u64>,
     /// Nominal sample rate, Hz, if stated.
@@ -241,7 +252,7 @@ impl Campaign {
         let noise = noise::of_runs(&runs, &description.noise_std);
         let mut runs = runs;
         // The model of a drive without a spring begins in motion, as its run does.
-        for run in runs.iter_mut().filter(|_| description.bench != Bench::Free) {
+        for run in runs.iter_mut().filter(|_| !matches!(description.bench, Bench::Free | Bench::Robot)) {
             notes.extend(skip_start_in_motion(run, &noise));
         }
         Ok(Self {
@@ -250,6 +261,7 @@ impl Campaign {
             bench: description.bench,
             actuator: description.actuator,
             scenario: description.scenario,
+            robot: description.robot,
             model_line: description.model_line,
             sample_rate_hz: description.sample_rate_hz,
             noise,
@@ -263,7 +275,11 @@ impl Campaign {
     /// The error of a campaign file whose actuator or scenario is wrong.
     #[must_use]
     pub fn bad_model(&self, problem: impl Into<String>) -> Error {
-        let key = if self.bench == Bench::Leg { "scenario" } else { "actuator" };
+        let key = match self.bench {
+            Bench::Leg => "scenario",
+            Bench::Robot => "robot",
+            _ => "actuator",
+        };
         Error::bad(&self.file, self.model_line, Some(key), problem)
     }
 
