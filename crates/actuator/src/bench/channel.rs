@@ -88,7 +88,8 @@ pub(super) fn input_of<'a>(record: &'a Record, wanted: &[&str]) -> Result<&'a Si
 
 /// The times from which each command was in force: its own time stamp, or, for a logger that stamps a row
 /// at the end of the period in which its command was held (`lead`), the time stamp before; `skew_s` later.
-pub(super) fn command_times(time_s: &[f64], lead: bool, skew_s: f64) -> Vec<f64> {
+#[must_use]
+pub fn command_times(time_s: &[f64], lead: bool, skew_s: f64) -> Vec<f64> {
     if !lead {
         return time_s.iter().map(|t| t + skew_s).collect();
     }

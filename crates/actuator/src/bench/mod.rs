@@ -19,7 +19,7 @@ mod pendulum;
 mod run;
 mod sensor;
 
-pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY};
+pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, command_times};
 pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
 pub use run::{RunSetup, start_of};

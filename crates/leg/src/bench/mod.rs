@@ -3,7 +3,7 @@
 //!
 //! Every joint has a drive without a spring ([`sealegs_actuator::bench`]): its rotor's inertia, damping, friction and
 //! every other effect of the actuators' catalogue act at the joint, and carry its name: `elbow/coulomb-friction`. The
-//! links' motion is that of [`tree`] in the joints' coordinates.
+//! links' motion is integrated in the joints' coordinates.
 //!
 //! Columns: `<joint>.torque_nm` commands a joint (one without such a column gets none), `<joint>.angle_rad` and
 //! `<joint>.speed_rad_s` are compared; of a sliding joint `.force_n`, `.position_m`, `.speed_m_s`. A run begins where its
@@ -11,6 +11,8 @@
 //! not logged. Friction that the URDF states is not taken: `coulomb-friction` is found, or named by the file.
 
 mod file;
+mod joint;
+mod links;
 mod model;
 mod simulate;
 mod tree;

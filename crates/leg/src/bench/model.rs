@@ -1,19 +1,20 @@
 //! The robot with torque drives as a model: parameters by joint and link, effects by joint, prediction of a record.
 
 use super::RobotFile;
+use super::joint::{Column, Joint};
+use super::links::{self, LinkParameters};
 use super::simulate::{JointTrace, Machine};
 use super::tree::Tree;
 use crate::LegError;
 use crate::error::nearest;
 use crate::robot::{JointKind, Robot};
-use sealegs_actuator::bench::{Bench, BenchModel, start_of};
+use sealegs_actuator::bench::{Bench, BenchModel, command_times, start_of};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::plant::{Grid, Plant, mean_per_step, sample};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_actuator::{ActuatorSpec, Kind};
 use sealegs_model::{
-    EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, SignalRange,
-    internal,
+    EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,28 +22,8 @@ use std::sync::Arc;
 /// The integrator's greatest step, s.
 const STEP_S: f64 = 5e-4;
 
-/// One standard deviation of a link's mass, as a ratio: an estimate of what a drawing says of a built link.
-const MASS_TOLERANCE: f64 = 0.05;
-
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
-
-/// A joint with its drive.
-#[derive(Debug, Clone)]
-struct Joint {
-    name: String,
-    slides: bool,
-    model: BenchModel,
-    /// Where each of the drive's parameters is among the robot's.
-    at: Vec<usize>,
-}
-
-/// Which column of a joint a channel is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Column {
-    Position,
-    Speed,
-}
 
 /// A robot on a fixed base or a rail with a torque drive on every joint.
 #[derive(Debug, Clone)]
@@ -51,8 +32,7 @@ pub struct RobotModel {
     name: String,
     tree: Tree,
     joints: Vec<Joint>,
-    /// Bodies whose mass is a parameter: nominal mass, and its place among the parameters.
-    masses: Vec<(usize, f64, usize)>,
+    links: Vec<LinkParameters>,
     parameters: Vec<Parameter>,
     /// Included effects: the joint and the id there.
     included: Vec<(usize, String)>,
@@ -121,24 +101,12 @@ impl RobotModel {
             }
             joints.push(Joint { name: joint.name.clone(), slides, model, at });
         }
-        let mut masses = Vec::new();
-        for (i, joint) in robot.moving_joints().enumerate() {
-            let mass = tree.mass_kg(i);
-            if mass > 0.0 {
-                masses.push((i, mass, parameters.len()));
-                let name = format!("{}/mass", robot.links[joint.child].name);
-                let far = 5.0 * MASS_TOLERANCE * mass;
-                parameters.push(Parameter {
-                    prior_std: Some(MASS_TOLERANCE * mass),
-                    ..Parameter::new(name, "kg", mass, mass - far, mass + far)
-                });
-            }
-        }
+        let links = links::parameters(&robot, &tree, &mut parameters);
         let mut model = Self {
             name: robot.name.clone(),
             tree,
             joints,
-            masses,
+            links,
             parameters,
             included: Vec::new(),
             starts: BTreeMap::new(),
@@ -316,9 +284,7 @@ impl RobotModel {
         });
         let drives = plants.collect::<Result<Vec<Plant>, ModelError>>()?;
         let mut tree = self.tree.clone();
-        for (body, nominal, at) in &self.masses {
-            tree.scale_mass(*body, values[*at] / nominal);
-        }
+        self.links.iter().for_each(|link| link.apply(values, &mut tree));
         Ok(Machine { tree, drives })
     }
 
@@ -395,50 +361,6 @@ fn with_embedded(file: &RobotFile, given: &[Arc<dyn Effect>]) -> Result<Vec<Arc<
     Ok(own)
 }
 
-impl Joint {
-    fn command(&self) -> String {
-        format!("{}.{}", self.name, if self.slides { "force_n" } else { "torque_nm" })
-    }
-
-    fn channel(&self, column: Column) -> String {
-        let what = match (column, self.slides) {
-            (Column::Position, false) => "angle_rad",
-            (Column::Position, true) => "position_m",
-            (Column::Speed, false) => "speed_rad_s",
-            (Column::Speed, true) => "speed_m_s",
-        };
-        format!("{}.{what}", self.name)
-    }
-
-    /// What a column is called on a bench of the drive alone.
-    fn at_drive(&self, column: Column) -> &'static str {
-        match (column, self.slides) {
-            (Column::Position, false) => "joint_angle_rad",
-            (Column::Position, true) => "position_m",
-            (Column::Speed, false) => "speed_rad_s",
-            (Column::Speed, true) => "speed_m_s",
-        }
-    }
-
-    /// What was seen at this joint, by the names of the drive's own bench.
-    fn seen(&self, seen: &Excitation) -> Excitation {
-        let prefix = format!("{}.", self.name);
-        let columns = [Column::Position, Column::Speed];
-        let measured = columns.into_iter().filter(|c| seen.measured.contains(&self.channel(*c)));
-        let own = seen.ranges.iter().filter_map(|r| Some((r.name.strip_prefix(&prefix)?, r)));
-        let command = if self.slides { "motor_force_n" } else { "joint_torque_nm" };
-        let ranges = own.map(|(name, range)| SignalRange {
-            name: if self.command() == range.name { command.to_owned() } else { name.to_owned() },
-            ..range.clone()
-        });
-        Excitation {
-            measured: measured.map(|c| self.at_drive(c).to_owned()).collect(),
-            ranges: ranges.collect(),
-            sample_period_s: seen.sample_period_s,
-        }
-    }
-}
-
 impl Model for RobotModel {
     fn name(&self) -> String {
         format!("{} with torque drives", self.name)
@@ -495,14 +417,7 @@ impl Model for RobotModel {
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
         let lead = record.hold == InputHold::ZeroOrder && value("command_lead") > 0.5;
-        let first = if lead { record.time_s[0] - (record.time_s[1] - record.time_s[0]) } else { 0.0 };
-        let skew_s = value("clock_skew") * period_s;
-        let told = (0..record.len()).map(|i| match (lead, i) {
-            (false, i) => record.time_s[i] + skew_s,
-            (true, 0) => first + skew_s,
-            (true, i) => record.time_s[i - 1] + skew_s,
-        });
-        let told: Vec<f64> = told.collect();
+        let told = command_times(&record.time_s, lead, value("clock_skew") * period_s);
         let commands: Vec<Vec<f64>> = self
             .joints
             .iter()

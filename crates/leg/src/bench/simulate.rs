@@ -114,7 +114,7 @@ impl Machine {
                 let size = v[i].abs() + h * (free[i].abs() + gained.abs());
                 let mut after = v[i] + h * (free[i] + gained);
                 // What rounding leaves of a speed that friction has just stopped is not a motion.
-                if friction[i] != 0.0 && after.abs() <= 1e-13 * size {
+                if friction[i] != 0.0 && after.abs() <= 1e-11 * size {
                     after = 0.0;
                 }
                 let travel = if v[i] == 0.0 && after == 0.0 { 0.0 } else { 0.5 * h * (v[i] + after) };

@@ -99,10 +99,17 @@ impl Tree {
         self.bodies[i].mass_kg
     }
 
-    /// The same with the masses and inertias of body `i` multiplied.
-    pub fn scale_mass(&mut self, i: usize, factor: f64) {
-        self.bodies[i].mass_kg *= factor;
-        self.bodies[i].inertia *= factor;
+    /// Distance of the centre of mass of body `i` from its joint's point, m.
+    pub fn com_m(&self, i: usize) -> f64 {
+        self.bodies[i].com.norm()
+    }
+
+    /// Multiplies mass, centre of mass and the moments about it of body `i`.
+    pub fn scale(&mut self, i: usize, mass: f64, com: f64, moments: f64) {
+        let body = &mut self.bodies[i];
+        body.mass_kg *= mass;
+        body.com *= com;
+        body.inertia *= moments;
     }
 
     /// Room for the equations.
