@@ -61,7 +61,7 @@ fn rigs() -> [(BenchModel, &'static str, f64, Excitation); 4] {
         (free.clone(), "motor_force_n", 150.0, seen(&free, "motor_force_n", 150.0, 150.0, 0.3, 0.1)),
         (loop_.clone(), "position_rad", 1.0, seen(&loop_, "position_rad", 1.0, 0.8, 6.0, 1.5)),
         (loop_.clone(), "voltage_v", 3.0, seen(&loop_, "voltage_v", 3.0, 0.5, 6.0, 1.5)),
-        (loop_.clone(), "joint_torque_nm", 0.3, seen(&loop_, "joint_torque_nm", 0.3, 0.5, 6.0, 1.5)),
+        (loop_.clone(), "joint_torque_nm", 0.3, seen(&loop_, "joint_torque_nm", 0.3, 0.3, 6.0, 1.5)),
     ]
 }
 

@@ -181,8 +181,9 @@ mod tests {
             let t = n as f64 * 1e-3;
             let speed = end * (1.0 - (-rate * t).exp());
             let position = 0.5 + end * (t - (1.0 - (-rate * t).exp()) / rate);
-            assert!((trace.screw_speed[n] / speed - 1.0).abs() < 1e-5, "{} {speed}", trace.screw_speed[n]);
-            assert!((trace.screw_position[n] - position).abs() < 1e-4);
+            // The back-EMF is taken at the speed of a step as the one before foretells it: (rate h)^2 = 2e-5.
+            assert!((trace.screw_speed[n] / speed - 1.0).abs() < 1e-4, "{} {speed}", trace.screw_speed[n]);
+            assert!((trace.screw_position[n] / position - 1.0).abs() < 1e-4);
         }
     }
 
