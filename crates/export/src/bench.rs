@@ -61,9 +61,10 @@ impl BenchDescription {
     pub fn of(model: &BenchModel, input: &str) -> Result<Self, ExportError> {
         let values: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
         let plant = model.plant(&values, input)?;
+        let rigid = model.spec().is_rigid();
         let output = match model.bench() {
-            Bench::Locked => Output::Held,
-            Bench::Pendulum(rig) => {
+            Bench::Locked if !rigid => Output::Held,
+            Bench::Pendulum(rig) if !rigid && rig.rod_mass_kg == 0.0 => {
                 Output::Pendulum { mass_kg: rig.mass_kg, length_m: rig.length_m, arm_m: rig.arm_m }
             }
             // Benches to come are refused rather than written wrongly.

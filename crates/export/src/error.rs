@@ -15,7 +15,9 @@ pub enum ExportError {
         name: String,
     },
     /// A bench that no writer knows.
-    #[error("the bench of {model} cannot be exported; the locked one and the pendulum can")]
+    #[error(
+        "{model} on its bench cannot be exported; an actuator with a spring can, locked or on a pendulum whose rod has no mass"
+    )]
     Bench {
         /// The model's name.
         model: String,

@@ -48,7 +48,7 @@ fn model(effects: &[(&str, &[(&str, f64)])], bench: Bench) -> BenchModel {
 }
 
 fn pendulum() -> Bench {
-    Bench::Pendulum(PendulumRig { arm_m: 0.1, length_m: 0.5, mass_kg: 2.0 })
+    Bench::Pendulum(PendulumRig { arm_m: 0.1, length_m: 0.5, mass_kg: 2.0, rod_mass_kg: 0.0 })
 }
 
 fn is_golden(name: &str, text: &str) {

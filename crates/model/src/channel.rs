@@ -22,6 +22,10 @@ pub enum Unit {
     MetrePerSecond,
     /// `_rad_s`, radian per second.
     RadianPerSecond,
+    /// `_v`, volt.
+    Volt,
+    /// `_c`, degree Celsius.
+    Celsius,
 }
 
 /// The suffix of a channel is not one of the known units.
@@ -33,7 +37,11 @@ pub struct UnknownUnit {
 
 impl fmt::Display for UnknownUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "'{}' does not end in a known unit (_s, _a, _n, _nm, _rad, _m, _m_s, _rad_s)", self.channel)
+        write!(
+            f,
+            "'{}' does not end in a known unit (_s, _a, _n, _nm, _rad, _m, _m_s, _rad_s, _v, _c)",
+            self.channel
+        )
     }
 }
 
@@ -41,7 +49,7 @@ impl std::error::Error for UnknownUnit {}
 
 impl Unit {
     /// Longer suffixes first, so that `_rad_s` is not taken for `_s`.
-    const SUFFIXES: [(&'static str, Self); 8] = [
+    const SUFFIXES: [(&'static str, Self); 10] = [
         ("_rad_s", Self::RadianPerSecond),
         ("_m_s", Self::MetrePerSecond),
         ("_nm", Self::NewtonMetre),
@@ -50,6 +58,8 @@ impl Unit {
         ("_a", Self::Ampere),
         ("_n", Self::Newton),
         ("_m", Self::Metre),
+        ("_v", Self::Volt),
+        ("_c", Self::Celsius),
     ];
 
     /// The unit that a channel's name ends in.
@@ -77,6 +87,8 @@ impl Unit {
             Self::Metre => "m",
             Self::MetrePerSecond => "m/s",
             Self::RadianPerSecond => "rad/s",
+            Self::Volt => "V",
+            Self::Celsius => "deg C",
         }
     }
 }

@@ -153,6 +153,7 @@ impl Reference {
             Bench::Pendulum(rig) => {
                 (End::Held, End::Pendulum { mass_kg: rig.mass_kg, length_m: rig.length_m, arm_m: rig.arm_m })
             }
+            Bench::Free { load } => (End::Held, End::Mass(load)),
             Bench::Masses { link_1_kg, link_2_kg } => (mass(link_1_kg), mass(link_2_kg)),
         };
         Self {

@@ -4,10 +4,11 @@ use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here}
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
-use sealegs_actuator::ActuatorSpec;
-use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
+use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig, RunSetup};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::SensorSpec;
+use sealegs_actuator::{ActuatorSpec, Kind};
+use sealegs_sysid::campaign::RigValues;
 use sealegs_sysid::diagnose::{Experiment, Limits};
 use sealegs_sysid::{Campaign, campaign};
 use std::path::Path;
@@ -39,10 +40,6 @@ pub fn of_source(
     model: &ModelSource,
     own: Vec<Arc<dyn Effect>>,
 ) -> Result<BenchModel> {
-    let bench = match campaign.bench {
-        campaign::Bench::Pendulum => Bench::Pendulum(PendulumRig::default()),
-        _ => Bench::Locked,
-    };
     let spec = match model {
         ModelSource::File(path) => ActuatorSpec::load(&path.to_string_lossy(), None)?,
         ModelSource::Actuator(spec) => (**spec).clone(),
@@ -60,6 +57,8 @@ pub fn of_source(
         true => spec.without_fitted_std(),
         false => spec,
     };
+    let runs = runs_of(campaign, &spec)?;
+    let bench = runs.first().map_or(Bench::Locked, |run| run.bench);
     for (channel, sensor) in &spec.sensors {
         campaign.state_sensor(channel, sensor.gain_std, sensor.bias_std);
     }
@@ -67,7 +66,62 @@ pub fn of_source(
         ModelSource::Campaign => campaign.file.clone(),
         other => other.label(campaign).into(),
     };
-    BenchModel::with_own_effects(spec, bench, own).map_err(|e| Error::ModelFile { file, source: Box::new(e) })
+    BenchModel::with_own_effects(spec, bench, own)
+        .and_then(|model| model.with_runs(runs))
+        .map_err(|e| Error::ModelFile { file, source: Box::new(e) })
+}
+
+/// Every run's own rig and start.
+fn runs_of(campaign: &Campaign, spec: &ActuatorSpec) -> Result<Vec<RunSetup>> {
+    let mut runs: Vec<RunSetup> = Vec::new();
+    for run in &campaign.runs {
+        if runs.iter().any(|known| known.record == run.record.name) {
+            continue;
+        }
+        let bench = bench_of(campaign, &run.rig, spec)?;
+        let gain = run.rig.servo_gain.unwrap_or(1.0);
+        runs.push(RunSetup::of_record(&run.record, spec, bench, gain));
+    }
+    Ok(runs)
+}
+
+/// The bench with a run's masses and lengths.
+fn bench_of(campaign: &Campaign, rig: &RigValues, spec: &ActuatorSpec) -> Result<Bench> {
+    let missing =
+        |key: &str, why: &str| Error::from(campaign.bad_key(key, format!("is missing: {why}")));
+    Ok(match campaign.bench {
+        campaign::Bench::Pendulum => {
+            let usual = PendulumRig::default();
+            let own = rig.length_m.is_some() || rig.mass_kg.is_some() || rig.rod_mass_kg.is_some();
+            let direct = spec.kind == Kind::Rotary && spec.is_rigid();
+            if direct && rig.length_m.is_none() {
+                return Err(missing(
+                    "length_m",
+                    "a drive that turns a pendulum directly needs its rig's numbers",
+                ));
+            }
+            Bench::Pendulum(PendulumRig {
+                arm_m: rig.arm_m.unwrap_or(if direct { 1.0 } else { usual.arm_m }),
+                length_m: rig.length_m.unwrap_or(usual.length_m),
+                mass_kg: rig.mass_kg.unwrap_or(if own { 0.0 } else { usual.mass_kg }),
+                rod_mass_kg: rig.rod_mass_kg.unwrap_or(0.0),
+            })
+        }
+        campaign::Bench::Free => {
+            let (load, key, other) = match spec.kind {
+                Kind::Linear => (rig.mass_kg, "mass_kg", rig.inertia_kg_m2.map(|_| "inertia_kg_m2")),
+                Kind::Rotary => (rig.inertia_kg_m2, "inertia_kg_m2", rig.mass_kg.map(|_| "mass_kg")),
+            };
+            if let Some(other) = other {
+                return Err(campaign.bad_key(other, format!("is given; the actuator takes '{key}'")).into());
+            }
+            if load.is_none() && !spec.is_rigid() {
+                return Err(missing(key, "behind a spring the output must have a mass"));
+            }
+            Bench::Free { load: load.unwrap_or(0.0) }
+        }
+        _ => Bench::Locked,
+    })
 }
 
 impl CampaignModel for BenchModel {

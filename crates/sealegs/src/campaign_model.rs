@@ -2,7 +2,7 @@
 
 use crate::diagnosis::addition::Added;
 use crate::diagnosis::provenance::{Input, Provenance};
-use crate::{ModelSource, Result, bench_model, leg_model};
+use crate::{ModelSource, Result, bench_model, leg_model, robot_model};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_model::Model;
@@ -83,6 +83,7 @@ pub fn of_source(
         .collect::<Result<Vec<_>>>()?;
     let model: Box<dyn CampaignModel> = match campaign.bench {
         campaign::Bench::Leg => Box::new(leg_model::of_source(campaign, model, own)?),
+        campaign::Bench::Robot => Box::new(robot_model::of_source(campaign, model, &own)?),
         _ => Box::new(bench_model::of_source(campaign, model, own)?),
     };
     let seen: &dyn Model = model.as_ref();

@@ -36,6 +36,14 @@ pub enum Error {
         /// Why not.
         source: Box<ActuatorError>,
     },
+    /// The robot that a file names is not usable.
+    #[error("{}: {source}", file.display())]
+    RobotFile {
+        /// The campaign file or the model file.
+        file: PathBuf,
+        /// Why not.
+        source: Box<LegError>,
+    },
     /// A run's own scenario is not usable.
     #[error("{}: scenario of {run}: {source}", file.display())]
     RunScenario {
@@ -156,6 +164,7 @@ impl Error {
             Self::Recording(_) | Self::Io { .. } | Self::Unwritable { .. } | Self::Stopped => false,
             Self::Actuator(_)
             | Self::ModelFile { .. }
+            | Self::RobotFile { .. }
             | Self::RunScenario { .. }
             | Self::RefusedInput { .. }
             | Self::UnknownEffect { .. }

@@ -177,6 +177,7 @@ pub(crate) fn campaign(
         name: "toy".into(),
         file: "toy/campaign.toml".into(),
         bench: Bench::Locked,
+        robot: None,
         actuator: "toy".into(),
         scenario: None,
         model_line: None,
@@ -186,6 +187,7 @@ pub(crate) fn campaign(
         runs: runs
             .into_iter()
             .map(|(role, record)| Run {
+                rig: crate::campaign::RigValues::default(),
                 role,
                 scenario: None,
                 scored: 0..record.len(),

@@ -1,15 +1,23 @@
 //! The columns of a bench: which the model takes and predicts, and how they follow from the motion.
 
 use super::Bench;
-use crate::Kind;
-use crate::plant::{Plant, Trace, sample};
+use crate::plant::{Link, Plant, Trace, sample};
+use crate::{ActuatorSpec, Kind};
 use sealegs_model::{ModelError, Prediction, Record, Signal, internal};
 
-/// Input columns; a record has exactly one of them.
-pub const INPUTS: [&str; 3] = ["current_a", "motor_force_n", "motor_torque_nm"];
+/// Input columns; a record has exactly one of them. `joint_torque_nm` is `motor_torque_nm` by the name that drives
+/// without a spring are commanded by.
+pub const INPUTS: [&str; 6] =
+    ["current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm", "voltage_v", "position_rad"];
+
+/// Whether the drive is switched on, beside an input: below 0.5 its bridge is open.
+pub const ENABLE: &str = "enable";
+
+/// The measured supply of a servo, beside its input, V.
+pub const SUPPLY: &str = "supply_v";
 
 /// Output columns of any bench.
-pub const OUTPUTS: [&str; 8] = [
+pub const OUTPUTS: [&str; 11] = [
     "force_1_n",
     "force_2_n",
     "motor_angle_rad",
@@ -18,26 +26,61 @@ pub const OUTPUTS: [&str; 8] = [
     "output_torque_nm",
     "spring_torque_nm",
     "spring_deflection_rad",
+    "position_m",
+    "speed_m_s",
+    "speed_rad_s",
 ];
 
-pub(super) fn predicts(channel: &str, kind: Kind, bench: &Bench) -> bool {
+/// What a motor can be commanded by.
+pub(super) enum Side {
+    /// With a series spring: current and effort.
+    Elastic,
+    /// Without one.
+    Rigid,
+    /// And with a winding that is known.
+    Voltage,
+    /// And with its own position loop.
+    Servo,
+}
+
+/// The input columns in the order of preference.
+pub(super) fn inputs(side: Side) -> &'static [&'static str] {
+    match side {
+        Side::Elastic => &["current_a", "motor_force_n", "motor_torque_nm"],
+        Side::Rigid => &["current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm"],
+        Side::Voltage => &["voltage_v", "current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm"],
+        Side::Servo => {
+            &["position_rad", "voltage_v", "current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm"]
+        }
+    }
+}
+
+pub(super) fn predicts(channel: &str, spec: &ActuatorSpec, bench: &Bench) -> bool {
+    let (linear, rigid) = (spec.kind == Kind::Linear, spec.is_rigid());
+    let pendulum = matches!(bench, Bench::Pendulum(_));
+    let free = matches!(bench, Bench::Free { .. });
     match channel {
         "motor_angle_rad" => true,
-        "joint_angle_rad" => matches!(bench, Bench::Pendulum(_)),
-        "force_1_n" | "force_2_n" | "spring_deflection_m" => kind == Kind::Linear,
-        "output_torque_nm" | "spring_torque_nm" | "spring_deflection_rad" => kind == Kind::Rotary,
+        "joint_angle_rad" => pendulum || (!linear && free),
+        "position_m" => linear && free,
+        "speed_m_s" => linear && free && rigid,
+        "speed_rad_s" => rigid && (pendulum || !linear),
+        "force_2_n" => linear,
+        "force_1_n" | "spring_deflection_m" => linear && !rigid,
+        "output_torque_nm" => !linear,
+        "spring_torque_nm" | "spring_deflection_rad" => !linear && !rigid,
         _ => false,
     }
 }
 
-/// The one input column of a record.
-pub(super) fn input_of(record: &Record) -> Result<&Signal, ModelError> {
-    let mut inputs = record.inputs.iter().filter(|s| INPUTS.contains(&s.channel.as_str()));
+/// The one input column of a record out of those that are `wanted`.
+pub(super) fn input_of<'a>(record: &'a Record, wanted: &[&str]) -> Result<&'a Signal, ModelError> {
+    let mut inputs = record.inputs.iter().filter(|s| wanted.contains(&s.channel.as_str()));
     match (inputs.next(), inputs.next()) {
         (Some(input), None) => Ok(input),
         (first, second) => Err(ModelError::NoInput {
             record: record.name.clone(),
-            wanted: INPUTS.map(str::to_owned).to_vec(),
+            wanted: wanted.iter().map(|w| (*w).to_owned()).collect(),
             found: first.into_iter().chain(second).map(|s| s.channel.clone()).collect(),
         }),
     }
@@ -45,7 +88,8 @@ pub(super) fn input_of(record: &Record) -> Result<&Signal, ModelError> {
 
 /// The times from which each command was in force: its own time stamp, or, for a logger that stamps a row
 /// at the end of the period in which its command was held (`lead`), the time stamp before; `skew_s` later.
-pub(super) fn command_times(time_s: &[f64], lead: bool, skew_s: f64) -> Vec<f64> {
+#[must_use]
+pub fn command_times(time_s: &[f64], lead: bool, skew_s: f64) -> Vec<f64> {
     if !lead {
         return time_s.iter().map(|t| t + skew_s).collect();
     }
@@ -68,10 +112,15 @@ pub(super) fn sense(
         .iter()
         .map(|channel| {
             let (dense, scale) = match channel.as_str() {
+                "output_torque_nm" if plant.rigid.is_some() => (&mut trace.force_2, 1.0),
                 "force_1_n" | "output_torque_nm" => (&mut trace.force_1, 1.0),
                 "force_2_n" => (&mut trace.force_2, 1.0),
                 "motor_angle_rad" => (&mut trace.screw_position, 1.0 / plant.travel_per_rad),
-                "joint_angle_rad" => (&mut trace.link_2_position, 1.0 / arm_m),
+                "joint_angle_rad" | "position_m" if plant.rigid.is_some() => {
+                    (&mut trace.screw_position, 1.0 / arm_m)
+                }
+                "joint_angle_rad" | "position_m" => (&mut trace.link_2_position, 1.0 / arm_m),
+                "speed_m_s" | "speed_rad_s" => (&mut trace.screw_speed, 1.0 / arm_m),
                 // The logger's torque is the deflection times the stiffness that it was told.
                 "spring_torque_nm" => (deflection(&mut trace), nominal_stiffness),
                 _ => (deflection(&mut trace), 1.0),
@@ -114,10 +163,16 @@ fn internals(plant: &Plant, trace: &Trace, arm_m: f64, time_s: &[f64]) -> Vec<Si
     add(internal::SCREW_SPEED, speed);
     add(internal::SCREW_POSITION, position);
     add(internal::SCREW_FORCE, sample(&trace.force_2, grid, time_s, 0.0));
-    add(internal::SPRING_DEFLECTION, sample(trace.spring_deflection(), grid, time_s, 0.0));
+    if plant.rigid.is_none() {
+        add(internal::SPRING_DEFLECTION, sample(trace.spring_deflection(), grid, time_s, 0.0));
+    }
     add(internal::MOTOR_FORCE, sample(&trace.motor_force, grid, time_s, 0.0));
-    if !trace.link_2_position.is_empty() {
-        let angle = sample(&trace.link_2_position, grid, time_s, 0.0);
+    let joint = match plant.rigid {
+        Some(Link::Pendulum { .. }) => &trace.screw_position,
+        _ => &trace.link_2_position,
+    };
+    if !joint.is_empty() {
+        let angle = sample(joint, grid, time_s, 0.0);
         add(internal::JOINT_ANGLE, angle.iter().map(|x| x / arm_m).collect());
     }
     signals

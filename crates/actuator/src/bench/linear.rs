@@ -1,6 +1,6 @@
 //! A bench linearised about an operating point, as state-space matrices from the command to every channel.
 
-use super::{Bench, BenchModel, OUTPUTS};
+use super::{BenchModel, OUTPUTS};
 use num_complex::Complex64;
 use sealegs_model::{Model, ModelError};
 
@@ -37,7 +37,7 @@ impl BenchModel {
             a[n + i][n..].copy_from_slice(&linear.by_velocity[i]);
             b[n + i] = linear.by_command[i];
         }
-        let arm_m = if let Bench::Pendulum(rig) = self.bench { rig.arm_m } else { 1.0 };
+        let arm_m = self.bench.arm_m();
         let unit = |i: usize, scale: f64| {
             let mut row = vec![0.0; 2 * n];
             row[i] = scale;
@@ -46,11 +46,24 @@ impl BenchModel {
         let join = |p: &[f64], v: &[f64]| -> Vec<f64> { p.iter().chain(v).copied().collect() };
         let still = vec![0.0; n];
         let stiffness = self.spec.coefficients().stiffness;
+        let output = linear.link_2.or(self.spec.is_rigid().then_some(0));
         let row = |channel: &str| match channel {
+            // The inertia force and weight of the load, which nothing but the drive and forces on the output move.
+            "force_2_n" | "output_torque_nm" if self.spec.is_rigid() => {
+                let mass = self.bench.links().1.mass_kg();
+                let weight = plant.transmitted_force(linear.at[0] + 1e-6, 0.0)
+                    - plant.transmitted_force(linear.at[0] - 1e-6, 0.0);
+                let mut c = join(&linear.by_position[0], &linear.by_velocity[0]);
+                c.iter_mut().for_each(|c| *c *= mass);
+                c[0] += weight / 2e-6;
+                (c, mass * linear.by_command[0])
+            }
+            "position_m" => (output.map_or(vec![0.0; 2 * n], |i| unit(i, 1.0)), 0.0),
+            "speed_m_s" | "speed_rad_s" => (unit(n, 1.0 / arm_m), 0.0),
             "force_1_n" | "output_torque_nm" => (join(&linear.force_1.0, &linear.force_1.1), 0.0),
             "force_2_n" => (join(&linear.force_2.0, &linear.force_2.1), linear.force_2.2),
             "motor_angle_rad" => (unit(0, 1.0 / plant.travel_per_rad), 0.0),
-            "joint_angle_rad" => (linear.link_2.map_or(vec![0.0; 2 * n], |i| unit(i, 1.0 / arm_m)), 0.0),
+            "joint_angle_rad" => (output.map_or(vec![0.0; 2 * n], |i| unit(i, 1.0 / arm_m)), 0.0),
             "spring_torque_nm" => {
                 let scaled: Vec<f64> = linear.deflection.iter().map(|d| stiffness * d).collect();
                 (join(&scaled, &still), 0.0)
@@ -111,7 +124,7 @@ impl StateSpace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::PendulumRig;
+    use crate::bench::{Bench, PendulumRig};
     use crate::plant::GRAVITY_M_S2;
     use crate::response::{ForceResponse, Link};
     use crate::{ActuatorSpec, Configuration};

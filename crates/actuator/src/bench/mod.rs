@@ -1,24 +1,36 @@
 //! Test benches: an actuator between two given links, as a model that diagnosis can compare with records.
 //!
 //! `locked` (high impedance): both links are held. `pendulum` (moving output): link 1, the spring side, is
-//! held and the screw turns a lever with a mass that hangs in gravity. Either link may also be a free mass.
+//! held and the screw turns a lever with a mass that hangs in gravity. `free`: link 1 is held and the output moves a
+//! mass or an inertia. Either link may also be a free mass. A drive without a spring turns pendulum or load directly.
+//!
+//! # Where a run begins
+//!
+//! A model starts at rest with its spring relaxed. A drive without a spring has no such place: its run begins where its
+//! log does. [`RunSetup::of_record`] takes position and speed from the log's first rows, by a parabola through at least
+//! eight of them or 20 ms. They are nuisances of the run, not fitted: what is wrong of a position is the bias of the
+//! sensor that showed it, and a speed is forgotten within the drive's mechanical time constant. A model knows its runs
+//! by their records' names.
 
 mod channel;
+mod drive;
 mod linear;
 mod observed;
 mod pendulum;
+mod run;
 mod sensor;
 
-pub use channel::{INPUTS, OUTPUTS};
+pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, command_times};
 pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
+pub use run::{RunSetup, start_of};
 pub use sensor::{Recording, Sensor, record};
 
-use crate::effect::{ActuatorKind, CATALOGUE, Effect, Setting, embedded, ids};
-use crate::plant::{Grid, Link, Plant, Trace, mean_per_step};
+use crate::effect::{CATALOGUE, Effect, Setting, embedded, ids};
+use crate::plant::{Feed, Grid, Link, Plant, Trace, mean_per_step};
 use crate::spec::{EffectSpec, EffectValue, narrowed};
 use crate::text::nearest;
-use crate::{ActuatorError, ActuatorSpec, Configuration, Kind};
+use crate::{ActuatorError, ActuatorSpec, Configuration};
 use sealegs_model::{EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -36,6 +48,12 @@ pub enum Bench {
     Locked,
     /// Spring side held, screw side on the lever of a pendulum (moving output).
     Pendulum(PendulumRig),
+    /// Spring side held, the output moves a load of this mass (kg) or inertia (kg m^2); with a drive without a spring it
+    /// may be zero, as the rotor moves, too.
+    Free {
+        /// kg, or kg m^2 of a rotary drive.
+        load: f64,
+    },
     /// Links of given masses in kg that move freely along the axis; infinite is held.
     Masses {
         /// Spring side.
@@ -51,6 +69,7 @@ impl Bench {
         match self {
             Self::Locked => (Link::Fixed, Link::Fixed),
             Self::Pendulum(rig) => (Link::Fixed, rig.link()),
+            Self::Free { load } => (Link::Fixed, Link::Mass(*load)),
             Self::Masses { link_1_kg, link_2_kg } => (mass(*link_1_kg), mass(*link_2_kg)),
         }
     }
@@ -59,8 +78,32 @@ impl Bench {
         match self {
             Self::Locked => "locked",
             Self::Pendulum(_) => "pendulum",
+            Self::Free { .. } => "free",
             Self::Masses { .. } => "free masses",
         }
+    }
+
+    /// Arm of the output's lever, m; 1 where there is none.
+    fn arm_m(&self) -> f64 {
+        if let Self::Pendulum(rig) = self { rig.arm_m } else { 1.0 }
+    }
+
+    /// Whether an actuator can be on it.
+    fn check(&self, spec: &ActuatorSpec) -> Result<(), ActuatorError> {
+        let (rigid, load) = (spec.is_rigid(), self.links().1);
+        if rigid && matches!(self, Self::Locked | Self::Masses { .. }) {
+            let admitted = "a bench whose output moves, free or pendulum, for a drive without a spring";
+            return Err(ActuatorError::value("bench", self.label(), admitted));
+        }
+        let mass = load.mass_kg();
+        if load == Link::Fixed || mass > 0.0 || (rigid && mass == 0.0) {
+            return Ok(());
+        }
+        Err(ActuatorError::value(
+            "load of the bench",
+            mass,
+            "positive; zero only for a drive without a spring",
+        ))
     }
 }
 
@@ -103,6 +146,8 @@ pub struct BenchModel {
     own: Vec<Arc<dyn Effect>>,
     /// Measured motions of records that simulations are pulled to.
     observed: Option<Arc<observed::Observed>>,
+    /// What runs have of their own, by their records' names.
+    runs: Vec<RunSetup>,
 }
 
 impl BenchModel {
@@ -127,6 +172,7 @@ impl BenchModel {
         bench: Bench,
         own: Vec<Arc<dyn Effect>>,
     ) -> Result<Self, ActuatorError> {
+        bench.check(&spec)?;
         let parameters = spec.base_parameters();
         let wanted = spec.effects.clone();
         let own = embedded(&wanted, own)?;
@@ -139,6 +185,7 @@ impl BenchModel {
             included: Vec::new(),
             own,
             observed: None,
+            runs: Vec::new(),
         };
         for effect in wanted {
             let seen = Excitation { measured: OUTPUTS.map(str::to_owned).to_vec(), ..Excitation::default() };
@@ -165,6 +212,30 @@ impl BenchModel {
     pub fn with_step(mut self, step_s: f64) -> Self {
         self.step_s = step_s;
         self
+    }
+
+    /// The same model with what runs have of their own: rig, start and servo gain.
+    ///
+    /// # Errors
+    ///
+    /// [`ActuatorError::Value`] for a rig that the actuator cannot be on.
+    pub fn with_runs(mut self, runs: Vec<RunSetup>) -> Result<Self, ActuatorError> {
+        for run in &runs {
+            run.bench.check(&self.spec)?;
+        }
+        self.runs = runs;
+        Ok(self)
+    }
+
+    /// What a run has of its own, if anything.
+    #[must_use]
+    pub fn run(&self, record: &str) -> Option<&RunSetup> {
+        self.runs.iter().find(|run| run.record == record)
+    }
+
+    /// The bench of a run.
+    fn bench_of(&self, record: &str) -> Bench {
+        self.run(record).map_or(self.bench, |run| run.bench)
     }
 
     /// The included effects as a model file keeps them, for parameter `values` and standard deviations `stds`
@@ -205,30 +276,6 @@ impl BenchModel {
     #[must_use]
     pub fn bench(&self) -> Bench {
         self.bench
-    }
-
-    /// The setting that effects choose their guesses by.
-    fn setting(&self, seen: &Excitation) -> Setting {
-        let c = self.spec.coefficients();
-        let command_is_force = seen.ranges.iter().any(|r| r.name.starts_with("motor_force_n"))
-            || seen.ranges.iter().any(|r| r.name.starts_with("motor_torque_nm"));
-        Setting {
-            kind: match self.spec.kind {
-                Kind::Linear => ActuatorKind::Linear,
-                Kind::Rotary => ActuatorKind::Rotary,
-            },
-            stiffness: c.stiffness,
-            total_mass: c.total_mass(),
-            unsprung_mass: c.unsprung_mass,
-            travel_per_rad: self.spec.ratio(),
-            force_per_command: if command_is_force { 1.0 } else { c.force_constant },
-            output_arm_m: match self.bench {
-                Bench::Pendulum(rig) => Some(rig.arm_m),
-                _ => None,
-            },
-            output_moves: self.bench.links().1 != Link::Fixed,
-            seen: seen.clone(),
-        }
     }
 
     /// All effects that could be added here, catalogue first, with their ids.
@@ -281,6 +328,10 @@ impl BenchModel {
     ///
     /// [`ModelError::BadParameter`] for a value that no actuator can have.
     pub fn plant(&self, values: &[f64], input: &str) -> Result<Plant, ModelError> {
+        self.plant_on(self.bench, values, input)
+    }
+
+    fn plant_on(&self, bench: Bench, values: &[f64], input: &str) -> Result<Plant, ModelError> {
         let c = self.spec.coefficients();
         let value = |name: &str, otherwise: f64| {
             self.parameters.iter().position(|p| p.name == name).map_or(otherwise, |i| values[i])
@@ -299,16 +350,19 @@ impl BenchModel {
             Configuration::Lumped => (0.0, inertia + sprung),
             _ => (inertia, sprung),
         };
-        let mut plant =
-            Plant::new(inertia, sprung, value("damping", c.damping), value("stiffness", c.stiffness));
+        let mut plant = Plant::new(
+            inertia,
+            sprung,
+            value("damping", c.damping),
+            if self.spec.is_rigid() { 0.0 } else { value("stiffness", c.stiffness) },
+        );
         plant.travel_per_rad = value("travel_per_rad", self.spec.ratio());
-        (plant.link_1, plant.link_2) = self.bench.links();
-        plant.force_per_command = if input == "current_a" {
-            value("force_constant", c.force_constant)
+        if self.spec.is_rigid() {
+            plant.rigid = Some(bench.links().1);
         } else {
-            value("motor_gain", 1.0)
-        };
-        plant.command_offset = value("input_offset", 0.0);
+            (plant.link_1, plant.link_2) = bench.links();
+        }
+        self.drive(&mut plant, input, &value)?;
         for included in &self.included {
             let own = &values[included.first..included.first + included.count];
             included.effect.get().install(own, included.channel.as_deref(), &mut plant);
@@ -322,7 +376,7 @@ impl BenchModel {
     ///
     /// Those of [`Model::predict`].
     pub fn simulate(&self, values: &[f64], record: &Record) -> Result<(Plant, Trace), ModelError> {
-        let input = channel::input_of(record)?;
+        let input = channel::input_of(record, self.inputs_of())?;
         if record.len() < 2 {
             return Err(ModelError::BadParameter {
                 name: format!("number of rows of {}", record.name),
@@ -330,7 +384,13 @@ impl BenchModel {
                 admitted: "at least 2",
             });
         }
-        let plant = self.plant(values, &input.channel)?;
+        let mut plant = self.plant_on(self.bench_of(&record.name), values, &input.channel)?;
+        if let Some(run) = self.run(&record.name) {
+            plant.start = run.start;
+            if let Some(servo) = &mut plant.servo {
+                servo.proportional *= run.servo_gain;
+            }
+        }
         // A smooth command needs no finer steps than its own band, for the linear part is exact.
         let enough = (record.hold == InputHold::BandLimited).then_some(SMOOTH_STEPS_PER_PERIOD);
         let period_s = record.mean_period_s();
@@ -347,9 +407,18 @@ impl BenchModel {
             Cow::Borrowed(&record.time_s)
         };
         let commands = mean_per_step(&time_s, &input.values, record.hold, &plant.laws.command_stages, &grid);
+        let side = |channel: &str, time_s: &[f64]| {
+            let values = record.input(channel).filter(|_| plant.winding.is_some())?;
+            Some(mean_per_step(time_s, values, InputHold::ZeroOrder, &[], &grid))
+        };
+        // The signal that switches the drive on comes as late as the command, the supply is measured.
+        let (mut late, mut unused) = (time_s.to_vec(), input.values.clone());
+        plant.laws.command_stages.iter().for_each(|stage| stage.apply(&mut late, &mut unused));
+        let (enable, supply) = (side(ENABLE, &late), side(SUPPLY, &record.time_s));
+        let feed = Feed { commands: &commands, enable: enable.as_deref(), supply_v: supply.as_deref() };
         let trace = match self.observed.as_ref().and_then(|o| o.observer(record, &plant, &grid, self)) {
-            Some(observer) => plant.observe(grid, &commands, &observer)?,
-            None => plant.simulate(grid, &commands)?,
+            Some(observer) => plant.observe(grid, feed, &observer)?,
+            None => plant.simulate_fed(grid, feed)?,
         };
         Ok((plant, trace))
     }
@@ -365,11 +434,11 @@ impl Model for BenchModel {
     }
 
     fn inputs(&self) -> &[&'static str] {
-        &INPUTS
+        self.inputs_of()
     }
 
     fn predicts(&self, channel: &str) -> bool {
-        channel::predicts(channel, self.spec.kind, &self.bench)
+        channel::predicts(channel, &self.spec, &self.bench)
     }
 
     fn included(&self) -> Vec<String> {
@@ -401,10 +470,7 @@ impl Model for BenchModel {
             }
         }
         let (plant, trace) = self.simulate(values, record)?;
-        let arm_m = match self.bench {
-            Bench::Pendulum(rig) => rig.arm_m,
-            _ => 1.0,
-        };
+        let arm_m = self.bench_of(&record.name).arm_m();
         // What the logger was told, not what a fit found since.
         let nominal_stiffness = self.spec.spring.stiffness();
         let (start_s, step_s) = (trace.grid.start_s, trace.grid.step_s);
@@ -420,6 +486,10 @@ impl Model for BenchModel {
     }
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
+        // The observer's gains follow from the spring, which such a drive lacks.
+        if self.spec.is_rigid() {
+            return None;
+        }
         let observed = observed::Observed::of(records)?;
         Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }

@@ -91,7 +91,7 @@ impl Observed {
         grid: &Grid,
         model: &BenchModel,
     ) -> Option<Observer> {
-        let arm_m = if let Bench::Pendulum(rig) = model.bench { Some(rig.arm_m) } else { None };
+        let arm_m = if let Bench::Pendulum(rig) = model.bench_of(&record.name) { Some(rig.arm_m) } else { None };
         let c = model.spec.coefficients();
         // Gains follow from nominal values: they must not change while a fit moves the parameters.
         let mass = c.total_mass();

@@ -1,6 +1,6 @@
 //! Simulated experiments: what a logger would write of a bench, through sensors with errors.
 
-use super::{Bench, BenchModel, channel};
+use super::{BenchModel, channel};
 use crate::excitation::{Profile, gaussian};
 use sealegs_model::{InputHold, Model, ModelError, Record, Signal};
 
@@ -107,7 +107,7 @@ pub fn record(
         outputs: Vec::new(),
     };
     let (plant, trace) = model.simulate(values, &record)?;
-    let arm_m = if let Bench::Pendulum(rig) = model.bench { rig.arm_m } else { 1.0 };
+    let arm_m = model.bench_of(&record.name).arm_m();
     let stiffness = model.spec.coefficients().stiffness;
     for (index, sensor) in sensors.iter().enumerate() {
         // The number of the sensor's own latest sample and the time that it tells of.
@@ -140,6 +140,7 @@ pub fn record(
 mod tests {
     use super::*;
     use crate::ActuatorSpec;
+    use crate::bench::Bench;
 
     fn run(sensors: &[Sensor], seed: u64) -> Record {
         let spec = ActuatorSpec::preset("thor-linear").expect("preset");

@@ -38,6 +38,10 @@ impl Effect for Backlash {
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         plant.laws.spring_path.push(Box::new(DeadZone { half_gap: 0.5 * values[0] }));
     }
+
+    fn applies(&self, setting: &Setting) -> bool {
+        setting.has_spring
+    }
 }
 
 #[derive(Debug)]

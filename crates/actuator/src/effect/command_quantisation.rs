@@ -1,7 +1,7 @@
 //! Command quantisation: the drive takes the command in whole counts.
 
 use super::Effect;
-use super::setting::{Setting, magnitude, with_neutral, with_starts};
+use super::setting::{CommandKind, Setting, magnitude, with_neutral, with_starts};
 use crate::plant::{CommandStage, Plant};
 use sealegs_model::{EffectCard, Parameter};
 
@@ -12,7 +12,11 @@ pub struct CommandQuantisation;
 impl Effect for CommandQuantisation {
     fn card(&self, setting: &Setting) -> EffectCard {
         let peak = setting.command();
-        let unit = if setting.force_per_command == 1.0 { ("count", "") } else { ("count_a", "A") };
+        let unit = match setting.command {
+            CommandKind::Voltage => ("count_v", "V"),
+            _ if setting.force_per_command == 1.0 => ("count", ""),
+            _ => ("count_a", "A"),
+        };
         // The error left by a count is rugged in it: many starts. A drive that resolves fewer than ten counts of
         // what it was used for is none.
         let most = 0.1 * peak;
@@ -38,6 +42,11 @@ impl Effect for CommandQuantisation {
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         plant.laws.command_stages.push(Box::new(Counts { count: values[0], rounding: values[1] }));
+    }
+
+    /// A goal's counts are the position sensor's.
+    fn applies(&self, setting: &Setting) -> bool {
+        setting.command != CommandKind::Goal
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
-use crate::plant::{DryFriction, Plant};
+use crate::plant::{DryFriction, Plant, Slip};
 use sealegs_model::EffectCard;
 
 /// Dry friction of motor and transmission, independent of speed.
@@ -40,7 +40,7 @@ struct Coulomb {
 }
 
 impl DryFriction for Coulomb {
-    fn bound(&self, _speed: f64, _direction: f64, _load: f64) -> f64 {
+    fn bound(&self, _slip: &Slip) -> f64 {
         self.force
     }
 
@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn the_bound_is_the_same_at_any_speed() {
         let law = Coulomb { force: 30.0 };
-        assert_eq!(law.bound(0.0, 1.0, 500.0), 30.0);
-        assert_eq!(law.bound(-0.2, -1.0, 0.0), 30.0);
+        assert_eq!(law.bound(&Slip { direction: 1.0, load: 500.0, ..Slip::default() }), 30.0);
+        assert_eq!(law.bound(&Slip { speed: -0.2, direction: -1.0, ..Slip::default() }), 30.0);
     }
 }

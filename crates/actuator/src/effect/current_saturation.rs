@@ -1,8 +1,8 @@
 //! Current saturation: the drive clips the commanded current.
 
 use super::Effect;
-use super::setting::{Setting, magnitude, with_neutral, with_starts};
-use crate::plant::{CommandStage, Plant};
+use super::setting::{CommandKind, Setting, magnitude, with_neutral, with_starts};
+use crate::plant::{CommandStage, DriveLimit, Plant};
 use sealegs_model::EffectCard;
 
 /// The drive delivers no more than a limit current.
@@ -11,7 +11,9 @@ pub struct CurrentSaturation;
 
 impl Effect for CurrentSaturation {
     fn card(&self, setting: &Setting) -> EffectCard {
-        let peak = setting.command();
+        let by_bridge = matches!(setting.command, CommandKind::Voltage | CommandKind::Goal);
+        let winding = setting.winding.filter(|_| by_bridge);
+        let peak = winding.map_or(setting.command(), |w| setting.force() / w.force_per_current);
         let unit = if setting.force_per_command == 1.0 { ("limit", "") } else { ("limit_a", "A") };
         let parameters = vec![with_neutral(
             with_starts(
@@ -35,7 +37,26 @@ impl Effect for CurrentSaturation {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        plant.laws.command_stages.push(Box::new(Saturation { limit: values[0] }));
+        match plant.winding {
+            Some(winding) => limit_current(plant, winding.force_per_current * values[0]),
+            None => plant.laws.command_stages.push(Box::new(Saturation { limit: values[0] })),
+        }
+    }
+}
+
+/// Limits the motor force (N) of a drive that sets a voltage.
+pub(crate) fn limit_current(plant: &mut Plant, force: f64) {
+    plant.laws.drive_limits.push(Box::new(AtBridge { force }));
+}
+
+#[derive(Debug)]
+struct AtBridge {
+    force: f64,
+}
+
+impl DriveLimit for AtBridge {
+    fn limit(&self, commanded: f64, _y_dot: f64) -> f64 {
+        commanded.max(-self.force).min(self.force)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
-use crate::plant::{DryFriction, Plant};
+use crate::plant::{DryFriction, Plant, Slip};
 use sealegs_model::{EffectCard, Parameter, SimplerLaw};
 
 /// Dry friction that differs between lengthening and shortening.
@@ -47,8 +47,8 @@ struct DirectionDependent {
 }
 
 impl DryFriction for DirectionDependent {
-    fn bound(&self, _speed: f64, direction: f64, _load: f64) -> f64 {
-        self.force * (1.0 + self.asymmetry * direction)
+    fn bound(&self, slip: &Slip) -> f64 {
+        self.force * (1.0 + self.asymmetry * slip.direction)
     }
 
     fn feels_speed(&self) -> bool {
@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn analytic_plus_while_lengthening() {
         let law = DirectionDependent { force: 10.0, asymmetry: 0.3 };
-        assert_eq!(law.bound(0.1, 1.0, 0.0), 13.0);
-        assert_eq!(law.bound(0.0, -1.0, 0.0), 7.0);
+        assert_eq!(law.bound(&Slip { speed: 0.1, direction: 1.0, ..Slip::default() }), 13.0);
+        assert_eq!(law.bound(&Slip { direction: -1.0, ..Slip::default() }), 7.0);
     }
 }

@@ -31,6 +31,10 @@ impl Effect for HardeningSpring {
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         plant.laws.spring_forces.push(Box::new(Cubic { cubic: values[0] }));
     }
+
+    fn applies(&self, setting: &Setting) -> bool {
+        setting.has_spring
+    }
 }
 
 #[derive(Debug)]

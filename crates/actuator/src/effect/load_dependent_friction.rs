@@ -2,7 +2,7 @@
 
 use super::Effect;
 use super::setting::{Setting, with_starts};
-use crate::plant::{DryFriction, Plant};
+use crate::plant::{DryFriction, Plant, Slip};
 use sealegs_model::{EffectCard, Parameter};
 
 /// Friction of the screw that grows with the force it carries.
@@ -43,8 +43,8 @@ struct LoadDependent {
 }
 
 impl DryFriction for LoadDependent {
-    fn bound(&self, _speed: f64, _direction: f64, load: f64) -> f64 {
-        self.coefficient * load.abs()
+    fn bound(&self, slip: &Slip) -> f64 {
+        self.coefficient * slip.load.abs()
     }
 
     fn feels_speed(&self) -> bool {
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn analytic_grows_with_the_load_of_either_sign() {
         let law = LoadDependent { coefficient: 0.1 };
-        assert_eq!(law.bound(0.1, 1.0, -200.0), 20.0);
-        assert_eq!(law.bound(0.0, 1.0, 0.0), 0.0);
+        assert_eq!(law.bound(&Slip { speed: 0.1, direction: 1.0, load: -200.0, ..Slip::default() }), 20.0);
+        assert_eq!(law.bound(&Slip { direction: 1.0, ..Slip::default() }), 0.0);
     }
 }

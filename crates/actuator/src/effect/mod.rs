@@ -5,15 +5,20 @@
 //! A user writes an effect of their own without recompiling, as a file with an expression: [`OwnEffect`].
 
 mod backlash;
+mod cable_stiffness;
 mod command_quantisation;
 mod coulomb_friction;
 mod current_saturation;
 mod direction_dependent_friction;
+mod directional_efficiency;
+mod feedback_delay;
 mod hardening_spring;
 mod load_dependent_friction;
 mod output_friction;
+mod output_offset;
 mod own;
 mod presliding_friction;
+mod pwm_dead_zone;
 mod quadratic_drag;
 mod sensor_delay;
 mod sensor_lag;
@@ -23,14 +28,19 @@ mod spring_damping;
 mod spring_hysteresis;
 mod stribeck_friction;
 mod structural_mode;
+mod supply_sag;
 mod torque_ripple;
 mod transport_delay;
 mod voltage_saturation;
+mod warming_friction;
 mod wobbling_mass;
 
+pub(crate) use current_saturation::limit_current;
 pub(crate) use own::embedded;
 pub use own::{Expression, Fault, OwnEffect};
-pub use setting::{ActuatorKind, Quantity, Setting, magnitude, with_neutral, with_starts};
+pub(crate) use pwm_dead_zone::PwmDeadZone;
+pub use setting::{ActuatorKind, CommandKind, Quantity, Setting, magnitude, with_neutral, with_starts};
+pub(crate) use transport_delay::TransportDelay;
 
 use crate::plant::Plant;
 use sealegs_model::EffectCard;
@@ -79,11 +89,16 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &stribeck_friction::StribeckFriction,
     &load_dependent_friction::LoadDependentFriction,
     &direction_dependent_friction::DirectionDependentFriction,
+    &directional_efficiency::DirectionalEfficiency,
+    &warming_friction::WarmingFriction,
     &quadratic_drag::QuadraticDrag,
     &torque_ripple::TorqueRipple,
     &current_saturation::CurrentSaturation,
     &voltage_saturation::VoltageSaturation,
+    &pwm_dead_zone::PwmDeadZone,
+    &supply_sag::SupplySag,
     &transport_delay::TransportDelay,
+    &feedback_delay::FeedbackDelay,
     &command_quantisation::CommandQuantisation,
     &hardening_spring::HardeningSpring,
     &spring_damping::SpringDamping,
@@ -94,6 +109,8 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &sensor_lag::SensorLag,
     &sensor_delay::SensorDelay,
     &output_friction::OutputFriction,
+    &output_offset::OutputOffset,
+    &cable_stiffness::CableStiffness,
     &wobbling_mass::WobblingMassEffect,
 ];
 

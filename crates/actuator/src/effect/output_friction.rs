@@ -26,7 +26,8 @@ impl Effect for OutputFriction {
             summary: "Dry friction at the joint of the lever or the leg.".to_owned(),
             acts_on: "output joint".to_owned(),
             equation: "T_c sign(joint speed); at rest it balances the applied torque up to T_c".to_owned(),
-            validity: "Opposes the joint's motion; holds without creep. Needs an output that moves."
+            validity: "Opposes the joint's motion; holds without creep. Needs an output that moves; in a drive without a \
+                       spring it is the rotor's own friction."
                 .to_owned(),
             reference: "C. A. Coulomb 1785".to_owned(),
             parameters,
@@ -41,7 +42,7 @@ impl Effect for OutputFriction {
     }
 
     fn applies(&self, setting: &Setting) -> bool {
-        setting.output_moves
+        setting.output_moves && setting.has_spring
     }
 }
 

@@ -48,6 +48,10 @@ impl Effect for SeriesComplianceEffect {
             plant.series = Some(SeriesCompliance { stiffness: values[0], mass: values[1] });
         }
     }
+
+    fn applies(&self, setting: &Setting) -> bool {
+        setting.has_spring
+    }
 }
 
 /// The unsprung mass as a share of the moving mass where the file has none: nut and tube of the THOR actuator, 0.15 kg of

@@ -1,5 +1,6 @@
 //! What an effect is asked to fit into: the kind of actuator, the bench and how hard it was driven.
 
+use crate::plant::Winding;
 use sealegs_model::{Excitation, Parameter, Scale, internal};
 
 /// Linear (N, m) or rotary (N m, rad at the output).
@@ -9,6 +10,21 @@ pub enum ActuatorKind {
     Linear,
     /// Torques in N m, angles in rad, at the output.
     Rotary,
+}
+
+/// What the input of the runs at hand is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CommandKind {
+    /// No run is known: an effect may belong to any command.
+    Unknown,
+    /// A motor current.
+    Current,
+    /// A motor force or torque.
+    Effort,
+    /// A voltage at the motor.
+    Voltage,
+    /// The goal of a servo's own loop.
+    Goal,
 }
 
 /// A kind of quantity whose unit depends on whether the actuator is linear or rotary.
@@ -62,15 +78,21 @@ impl Quantity {
 pub struct Setting {
     /// Linear or rotary.
     pub kind: ActuatorKind,
-    /// Nominal stiffness, N/m.
+    /// Nominal stiffness, N/m; where there is no spring the greatest force over the travel that was seen, a scale.
     pub stiffness: f64,
+    /// Whether there is a spring.
+    pub has_spring: bool,
+    /// What the input is.
+    pub command: CommandKind,
+    /// The winding of a motor whose command is a voltage or a goal, or may be one.
+    pub winding: Option<Winding>,
     /// Nominal total moving mass `m_T`, kg.
     pub total_mass: f64,
     /// Nominal unsprung mass of the actuator, kg; 0 where it is not known.
     pub unsprung_mass: f64,
     /// Screw travel per rotor angle, m/rad.
     pub travel_per_rad: f64,
-    /// Motor force per unit of command, N/A for a current, 1 for a force.
+    /// Motor force per unit of command: N/A for a current, 1 for a force, N/V for a voltage and for a goal.
     pub force_per_command: f64,
     /// Arm of the output lever, m, where there is a pendulum.
     pub output_arm_m: Option<f64>,
@@ -87,6 +109,9 @@ impl Setting {
         Self {
             kind: ActuatorKind::Linear,
             stiffness: 1.0,
+            has_spring: true,
+            command: CommandKind::Unknown,
+            winding: None,
             total_mass: 1.0,
             unsprung_mass: 0.0,
             travel_per_rad: 1.0,
@@ -115,10 +140,27 @@ impl Setting {
         self.seen.peak_or(internal::SCREW_SPEED, self.length() * (self.stiffness / self.total_mass).sqrt())
     }
 
-    /// Greatest spring deflection seen, m.
+    /// Greatest spring deflection seen, m; where there is no spring the greatest travel.
     #[must_use]
     pub fn length(&self) -> f64 {
+        if !self.has_spring {
+            return self.travel();
+        }
         self.seen.peak_or(internal::SPRING_DEFLECTION, self.force() / self.stiffness)
+    }
+
+    /// How far the output moved, from one end to the other, m.
+    #[must_use]
+    pub fn travel(&self) -> f64 {
+        let seen = self.seen.range(internal::SCREW_POSITION).map(|r| r.max - r.min);
+        seen.filter(|t| *t > 0.0).unwrap_or(1.0)
+    }
+
+    /// Whether a bridge drives the motor with a duty, or may do so.
+    #[must_use]
+    pub fn has_bridge(&self) -> bool {
+        let may = matches!(self.command, CommandKind::Voltage | CommandKind::Goal | CommandKind::Unknown);
+        may && !self.has_spring && self.winding.is_some()
     }
 
     /// Greatest command seen, in its own unit.

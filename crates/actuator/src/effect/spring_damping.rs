@@ -29,6 +29,10 @@ impl Effect for SpringDamping {
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         plant.laws.spring_damping += values[0];
     }
+
+    fn applies(&self, setting: &Setting) -> bool {
+        setting.has_spring
+    }
 }
 
 #[cfg(test)]

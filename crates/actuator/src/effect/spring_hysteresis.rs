@@ -44,6 +44,10 @@ impl Effect for SpringHysteresis {
             plant.laws.spring_slip = Some(ElastoSlip { stiffness: values[0], bound: values[1] });
         }
     }
+
+    fn applies(&self, setting: &Setting) -> bool {
+        setting.has_spring
+    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
-use crate::plant::{DryFriction, Plant};
+use crate::plant::{DryFriction, Plant, Slip};
 use sealegs_model::{EffectCard, SimplerLaw};
 
 /// Dry friction that falls from a static to a Coulomb level as speed rises.
@@ -61,8 +61,8 @@ struct Stribeck {
 }
 
 impl DryFriction for Stribeck {
-    fn bound(&self, speed: f64, _direction: f64, _load: f64) -> f64 {
-        let ratio = speed * self.inverse_velocity;
+    fn bound(&self, slip: &Slip) -> f64 {
+        let ratio = slip.speed * self.inverse_velocity;
         // Not below zero, whatever a search tries for the static level.
         (self.coulomb + self.above * (-ratio * ratio).exp()).max(0.0)
     }
@@ -79,8 +79,10 @@ mod tests {
     #[test]
     fn analytic_static_at_rest_and_coulomb_at_speed() {
         let law = Stribeck { coulomb: 20.0, above: 25.0, inverse_velocity: 250.0 };
-        assert_eq!(law.bound(0.0, 1.0, 0.0), 45.0);
-        assert!((law.bound(0.004, 1.0, 0.0) - 20.0 - 25.0 / std::f64::consts::E).abs() < 1e-12);
-        assert!((law.bound(-0.1, -1.0, 0.0) - 20.0).abs() < 1e-12);
+        let at =
+            |speed: f64| law.bound(&Slip { speed, direction: 1.0_f64.copysign(speed), ..Slip::default() });
+        assert_eq!(at(0.0), 45.0);
+        assert!((at(0.004) - 20.0 - 25.0 / std::f64::consts::E).abs() < 1e-12);
+        assert!((at(-0.1) - 20.0).abs() < 1e-12);
     }
 }

@@ -42,6 +42,10 @@ impl Effect for StructuralMode {
             participation: values[2],
         }));
     }
+
+    fn applies(&self, setting: &Setting) -> bool {
+        setting.has_spring
+    }
 }
 
 #[derive(Debug)]

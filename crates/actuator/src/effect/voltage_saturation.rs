@@ -1,7 +1,7 @@
 //! Voltage saturation: the bus voltage less the back-EMF limits the motor current.
 
 use super::Effect;
-use super::setting::{Setting, magnitude, with_neutral, with_starts};
+use super::setting::{CommandKind, Setting, magnitude, with_neutral, with_starts};
 use crate::plant::{DriveLimit, Plant};
 use sealegs_model::EffectCard;
 
@@ -53,9 +53,11 @@ impl Effect for VoltageSaturation {
         }));
     }
 
-    /// The back-EMF of a drive that takes a force or torque command cannot be told in volts.
+    /// The back-EMF of a drive that takes a force or torque command cannot be told in volts, and that of one that takes
+    /// a voltage is in the base model.
     fn applies(&self, setting: &Setting) -> bool {
-        setting.force_per_command != 1.0
+        matches!(setting.command, CommandKind::Current | CommandKind::Unknown)
+            && setting.force_per_command != 1.0
     }
 }
 

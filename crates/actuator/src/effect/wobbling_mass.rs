@@ -52,7 +52,7 @@ impl Effect for WobblingMassEffect {
     }
 
     fn applies(&self, setting: &Setting) -> bool {
-        setting.output_arm_m.is_some()
+        setting.output_arm_m.is_some() && setting.has_spring
     }
 }
 

@@ -71,6 +71,10 @@ impl Plant {
                 stored += 0.5 * q[i] * linear.stiffness[i][j] * q[j];
             }
         }
+        stored += self.laws.rotor_forces.iter().map(|f| f.stored(q[0])).sum::<f64>();
+        if let Some(i) = linear.coordinates.link_2.or(self.rigid.map(|_| 0)) {
+            stored += self.output_forces.iter().map(|f| f.stored(q[i])).sum::<f64>();
+        }
         let row: [f64; N] = std::array::from_fn(|i| linear.deflection[i]);
         let delta = dot(&row, q);
         if !(self.laws.spring_path.is_empty() && self.laws.spring_forces.is_empty()) {
@@ -82,7 +86,7 @@ impl Plant {
             stored += element.map_or(0.0, |e| 0.5 * force * force / e.stiffness);
         }
         if let (Link::Pendulum { gravity_torque_nm, arm_m, .. }, Some(i)) =
-            (self.link_2, linear.coordinates.link_2)
+            (self.rigid.unwrap_or(self.link_2), linear.coordinates.link_2.or(self.rigid.map(|_| 0)))
         {
             let angle = q[i] / arm_m;
             // What the linear stiffness has too much: 1 - cos against half the square.

@@ -85,6 +85,10 @@ impl Sliding {
         let free_change = after_free - before;
         let back = -before.signum();
         let at_rest = mobility * bound(0.0, back);
+        if slipping == 0.0 && at_rest == 0.0 {
+            // No friction leaves the motion as it is, to the last bit.
+            return (0.0, Held::No);
+        }
         if free_change.abs() <= at_rest {
             return (-after_free / mobility, Held::Yes);
         }

@@ -1,7 +1,7 @@
 //! What acts in an actuator beside its linear spring, viscous damping and ideal drive: one list for each place.
 
 use super::ports::{
-    CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, SpringForce, SpringPath,
+    CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, Slip, SpringForce, SpringPath,
 };
 
 /// The laws of one actuator, all places empty by default. A bench's [`super::Plant`] and an actuator of a leg hold
@@ -37,8 +37,8 @@ impl Laws {
     /// The bound of the rotor's dry friction in N; see [`DryFriction::bound`].
     #[must_use]
     #[inline]
-    pub fn rotor_friction_bound(&self, speed: f64, direction: f64, load: f64) -> f64 {
-        self.rotor_friction.iter().map(|f| f.bound(speed, direction, load)).sum()
+    pub fn rotor_friction_bound(&self, slip: &Slip) -> f64 {
+        self.rotor_friction.iter().map(|f| f.bound(slip)).sum()
     }
 
     /// The sum of the smooth forces on the rotor in N; see [`RotorForce::force`].

@@ -81,6 +81,10 @@ impl LinearPart {
         add_square(&mut part.mass, plant.reflected_inertia, &y);
         add_square(&mut part.mass, plant.sprung_mass, &sprung);
         add_square(&mut part.damping, plant.damping, &y);
+        if let Some(load) = plant.rigid.filter(|load| *load != Link::Fixed) {
+            add_square(&mut part.mass, load.mass_kg(), &y);
+            add_square(&mut part.stiffness, load.gravity_stiffness_n_m(), &y);
+        }
         add_square(&mut part.damping, plant.laws.spring_damping, &deflection);
         add_square(&mut part.stiffness, plant.stiffness, &deflection);
         for (link, row) in [(plant.link_1, x_1), (plant.link_2, x_2)] {

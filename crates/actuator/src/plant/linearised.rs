@@ -124,9 +124,10 @@ impl Plant {
         let load = self.spring_force(delta, rate);
         forces[0] += self.motor_force(command, v[0]);
         forces[0] += self.laws.rotor_force(q[0], v[0], load, 0.0);
-        let Some(i) = linear.coordinates.link_2 else { return forces };
+        let output = linear.coordinates.link_2.or(self.rigid.map(|_| 0));
+        let Some(i) = output else { return forces };
         forces[i] += self.output_forces.iter().map(|f| f.force(q[i], v[i], load, 0.0)).sum::<f64>();
-        if let Link::Pendulum { gravity_torque_nm, arm_m, .. } = self.link_2 {
+        if let Link::Pendulum { gravity_torque_nm, arm_m, .. } = self.rigid.unwrap_or(self.link_2) {
             let angle = q[i] / arm_m;
             let beyond = angle - angle.sin();
             forces[i] += gravity_torque_nm * beyond / arm_m;

@@ -14,6 +14,9 @@
 //! same plant seen from its spring side with another sprung mass; the conventional lumped model is the
 //! limit `m_s = m_T`, `m_J = 0`. For a rotary actuator N, kg and m stand for N m, kg m^2 and rad at the
 //! output.
+//!
+//! A drive without a spring ([`Plant::rigid`]) has one coordinate, its output's: the rotor turns its load directly, and
+//! [`Plant::servo`] may close a position loop around it.
 
 mod command;
 mod energy;
@@ -24,6 +27,7 @@ mod linear;
 mod linearised;
 mod observer;
 mod ports;
+mod servo;
 mod trace;
 
 pub use command::{Grid, mean_per_step};
@@ -35,8 +39,9 @@ pub use linearised::Linearised;
 pub(crate) use observer::pull_at;
 pub use observer::{Observer, Pull, ReferenceMotion, smoothed};
 pub use ports::{
-    CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, SpringForce, SpringPath,
+    CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, Slip, SpringForce, SpringPath,
 };
+pub use servo::{Feed, Servo, Winding};
 pub use trace::{Trace, sample};
 
 /// Gravitational acceleration, m/s^2.
@@ -120,11 +125,19 @@ pub struct Plant {
     pub link_1: Link,
     /// Screw side.
     pub link_2: Link,
+    /// The load of a drive without a spring, which moves with the rotor; links, spring and sprung mass are then none.
+    pub rigid: Option<Link>,
+    /// Position (m) and speed (m/s) of the output at the start; only a drive without a spring may start in motion.
+    pub start: (f64, f64),
+    /// The winding, where the command is a voltage or a servo makes one.
+    pub winding: Option<Winding>,
+    /// A position loop, whose goal the command then is.
+    pub servo: Option<Servo>,
     /// Compliance between screw and link 2.
     pub series: Option<SeriesCompliance>,
     /// A mass that wobbles on link 2.
     pub wobbling: Option<WobblingMass>,
-    /// Motor force per unit of command: N/A for a current, 1 for a force.
+    /// Motor force per unit of command: N/A for a current, 1 for a force, N/V for a voltage.
     pub force_per_command: f64,
     /// A constant that is added to the command, in the command's unit.
     pub command_offset: f64,
@@ -148,6 +161,10 @@ impl Plant {
             travel_per_rad: 1.0,
             link_1: Link::Fixed,
             link_2: Link::Fixed,
+            rigid: None,
+            start: (0.0, 0.0),
+            winding: None,
+            servo: None,
             series: None,
             wobbling: None,
             force_per_command: 1.0,
@@ -155,6 +172,30 @@ impl Plant {
             output_forces: Vec::new(),
             output_friction: 0.0,
             laws: Laws::default(),
+        }
+    }
+
+    /// Lets a voltage drive the motor: the command is one, or the servo makes one.
+    pub fn drive_by(&mut self, winding: Winding) {
+        self.winding = Some(winding);
+        self.force_per_command = winding.force_per_current / winding.resistance_ohm;
+        // First of all, so that every other limit sees the force that is left beside the back-EMF.
+        self.laws.drive_limits.insert(0, Box::new(BackEmf(winding)));
+    }
+
+    /// The force that passes from the drive to its load at a position (m) and acceleration (m/s^2), N; 0 where
+    /// there is a spring.
+    #[must_use]
+    #[inline]
+    pub fn transmitted_force(&self, position: f64, acceleration: f64) -> f64 {
+        match self.rigid {
+            Some(Link::Pendulum { inertia_kg_m2, gravity_torque_nm, arm_m }) => {
+                let torque =
+                    inertia_kg_m2 * acceleration / arm_m + gravity_torque_nm * (position / arm_m).sin();
+                torque / arm_m
+            }
+            Some(Link::Mass(mass)) => mass * acceleration,
+            _ => 0.0,
         }
     }
 
@@ -184,10 +225,20 @@ impl Plant {
     ///
     /// [`sealegs_model::ModelError::NotFinite`] when a state runs away.
     pub fn simulate(&self, grid: Grid, commands: &[f64]) -> Result<Trace, sealegs_model::ModelError> {
-        integrate::simulate(self, grid, commands, None)
+        self.simulate_fed(grid, Feed { commands, ..Feed::default() })
     }
 
-    /// As [`Plant::simulate`], while an observer pulls the rotor and link 2 to a measured motion.
+    /// As [`Plant::simulate`], with what else a drive is told and fed with. A servo reads the supply and both read
+    /// the enable signal.
+    ///
+    /// # Errors
+    ///
+    /// As [`Plant::simulate`].
+    pub fn simulate_fed(&self, grid: Grid, feed: Feed) -> Result<Trace, sealegs_model::ModelError> {
+        integrate::simulate(self, grid, feed, None)
+    }
+
+    /// As [`Plant::simulate_fed`], while an observer pulls the rotor and link 2 to a measured motion.
     ///
     /// # Errors
     ///
@@ -195,9 +246,19 @@ impl Plant {
     pub fn observe(
         &self,
         grid: Grid,
-        commands: &[f64],
+        feed: Feed,
         observer: &Observer,
     ) -> Result<Trace, sealegs_model::ModelError> {
-        integrate::simulate(self, grid, commands, Some(observer))
+        integrate::simulate(self, grid, feed, Some(observer))
+    }
+}
+
+/// What the back-EMF takes from the force that a voltage would make at standstill.
+#[derive(Debug)]
+struct BackEmf(Winding);
+
+impl DriveLimit for BackEmf {
+    fn limit(&self, commanded: f64, y_dot: f64) -> f64 {
+        commanded + self.0.force(0.0, y_dot)
     }
 }

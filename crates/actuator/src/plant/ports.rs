@@ -6,13 +6,26 @@
 
 use std::fmt::Debug;
 
+/// Where and how the rotor slips, as a law of dry friction sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Slip {
+    /// Extension of the screw, m.
+    pub position: f64,
+    /// Screw speed, m/s; its sign is the direction of slip, 0 asks for the limit at rest.
+    pub speed: f64,
+    /// +1 or -1: the sign of `speed` in motion, at rest the way in which the rotor is pushed.
+    pub direction: f64,
+    /// Force in the screw, N, positive in compression; of a drive without a spring what passes to its load.
+    pub load: f64,
+    /// Heat that the rotor's dry friction has made since the beginning of the run, J.
+    pub heat: f64,
+}
+
 /// Dry friction between the rotor and the motor housing: a bound that holds the rotor at rest and opposes
 /// its motion when it moves.
 pub trait DryFriction: Debug + Send + Sync {
-    /// The bound in N (not negative) at screw speed `speed` (m/s; its sign is the direction of slip; 0 is
-    /// the limit at rest) under the screw force `load` (N). At rest `direction` tells which way the rotor
-    /// is pushed; in motion it is the sign of `speed`.
-    fn bound(&self, speed: f64, direction: f64, load: f64) -> f64;
+    /// The bound in N (not negative) where the rotor slips or is about to.
+    fn bound(&self, slip: &Slip) -> f64;
 
     /// Whether the bound depends on speed; saying no saves time.
     fn feels_speed(&self) -> bool {
@@ -29,6 +42,11 @@ pub trait DryFriction: Debug + Send + Sync {
 pub trait RotorForce: Debug + Send + Sync {
     /// The force in N at extension `y` (m), speed `y_dot` (m/s), screw force `load` (N), time `t` (s).
     fn force(&self, y: f64, y_dot: f64, load: f64, t: f64) -> f64;
+
+    /// The energy that it has stored at extension `y`, J; none unless it is a force of position alone.
+    fn stored(&self, _y: f64) -> f64 {
+        0.0
+    }
 }
 
 /// What the drive does to the commanded force at every instant, depending on speed.

@@ -9,7 +9,8 @@ mod preset;
 pub(crate) use known::narrowed;
 pub use parameters::{BASE_PARAMETERS, ParameterSpec};
 pub use parts::{
-    Configuration, EffectSpec, EffectValue, Kind, LinkageSpec, Motor, Ratings, SensorSpec, Transmission,
+    Configuration, EffectSpec, EffectValue, Kind, LinkageSpec, Motor, Ratings, SensorSpec, ServoSpec,
+    Transmission,
 };
 
 use std::collections::BTreeMap;
@@ -21,7 +22,7 @@ use crate::ActuatorError;
 use crate::spring::{Spring, SpringLimits};
 use crate::text::{line_of, parse_toml};
 
-/// A series elastic actuator as its file describes it. A model file written by `sealegs add` has the same form.
+/// An actuator as its file describes it: series elastic, or with `spring = "none"` a rigid drive. A model file written by `sealegs add` has the same form.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ActuatorSpec {
@@ -46,8 +47,11 @@ pub struct ActuatorSpec {
     pub motor: Motor,
     /// From the rotor to the spring.
     pub transmission: Transmission,
-    /// The series spring.
+    /// The series spring, or `spring = "none"`.
     pub spring: Spring,
+    /// The drive's own position loop.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoSpec>,
     /// What the maker allows.
     #[serde(default, skip_serializing_if = "Ratings::is_empty")]
     pub ratings: Ratings,
@@ -78,7 +82,7 @@ pub struct ActuatorSpec {
 pub struct Coefficients {
     /// Which side the spring is on.
     pub configuration: Configuration,
-    /// Spring stiffness `k`.
+    /// Spring stiffness `k`; infinite where there is no spring.
     pub stiffness: f64,
     /// Reflected rotor inertia `m_J = J / r^2`.
     pub reflected_inertia: f64,
@@ -123,6 +127,12 @@ impl ActuatorSpec {
             sprung_mass: nominal("sprung_mass", self.sprung_mass_kg),
             unsprung_mass: self.unsprung_mass_kg,
         }
+    }
+
+    /// Whether there is no spring: the rotor turns its load directly.
+    #[must_use]
+    pub fn is_rigid(&self) -> bool {
+        self.spring == Spring::None
     }
 
     /// Speed at which the back-EMF equals the supply, m/s (rad/s for a rotary actuator): `r V / K_tau`. An ideal
@@ -223,6 +233,38 @@ impl ActuatorSpec {
         plain
     }
 
+    /// What a drive without a spring must not have, and what its servo needs.
+    fn validate_rigid(&self) -> Result<(), ActuatorError> {
+        if self.sprung_mass_kg != 0.0 {
+            let admitted = "zero where there is no spring";
+            return Err(ActuatorError::value("sprung_mass_kg", self.sprung_mass_kg, admitted));
+        }
+        let Some(servo) = &self.servo else { return Ok(()) };
+        servo.validate().map_err(|error| match error {
+            ActuatorError::Value { file, line, field, value, admitted } => {
+                ActuatorError::Value { file, line, field: format!("servo.{field}"), value, admitted }
+            }
+            other => other,
+        })?;
+        if self.kind != Kind::Rotary {
+            return Err(ActuatorError::value(
+                "kind",
+                "linear",
+                "rotary for a servo with its own position loop",
+            ));
+        }
+        let needed = [
+            ("motor.winding_resistance_ohm", self.motor.winding_resistance_ohm),
+            ("motor.supply_v", self.motor.supply_v),
+        ];
+        match needed.iter().find(|(_, value)| value.is_none()) {
+            Some((field, _)) => {
+                Err(ActuatorError::value(*field, "nothing", "given: a servo's loop sets a voltage"))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Checks every number, for a spec that was changed after reading.
     ///
     /// # Errors
@@ -253,7 +295,13 @@ impl ActuatorSpec {
         self.motor.validate().map_err(within("motor"))?;
         self.transmission.validate(self.kind).map_err(within("transmission"))?;
         self.spring.validate().map_err(within("spring"))?;
-        if (self.kind == Kind::Rotary) != matches!(self.spring, Spring::Torsion(_)) {
+        if self.is_rigid() {
+            self.validate_rigid()?;
+        } else if let Some(servo) = &self.servo {
+            let gain = servo.proportional_per_rad;
+            let admitted = "absent: a position loop is known of a drive without a spring only";
+            return Err(ActuatorError::value("servo.proportional_per_rad", gain, admitted));
+        } else if (self.kind == Kind::Rotary) != matches!(self.spring, Spring::Torsion(_)) {
             return Err(ActuatorError::value(
                 "spring.type",
                 if self.kind == Kind::Rotary { "a linear spring" } else { "torsion" },

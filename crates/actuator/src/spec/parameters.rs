@@ -9,11 +9,12 @@ use crate::text::nearest;
 
 /// Name, unit of a linear actuator and unit of a rotary one, in the order of
 /// [`ActuatorSpec::base_parameters`].
-pub const BASE_PARAMETERS: [(&str, &str, &str); 10] = [
+pub const BASE_PARAMETERS: [(&str, &str, &str); 11] = [
     ("stiffness", "N/m", "N m/rad"),
     ("reflected_inertia", "kg", "kg m^2"),
     ("damping", "N s/m", "N m s/rad"),
     ("force_constant", "N/A", "N m/A"),
+    ("winding_resistance", "ohm", "ohm"),
     ("motor_gain", "", ""),
     ("sprung_mass", "kg", ""),
     ("travel_per_rad", "m/rad", ""),
@@ -61,7 +62,8 @@ const BOUNDS_LOGARITHMIC: (f64, f64) = (1e-4, 1e4);
 
 impl ActuatorSpec {
     /// The parameters of the plain actuator, nominal values being what the physics gives, in the fixed order of
-    /// [`BASE_PARAMETERS`]; a rotary actuator has no `sprung_mass`.
+    /// [`BASE_PARAMETERS`]; a rotary actuator has no `sprung_mass`, a drive without a spring neither that nor a
+    /// `stiffness`, and only a drive without a spring whose file gives one has a `winding_resistance`.
     ///
     /// `force_constant` is felt only where the input is a current, `motor_gain` only where it is a motor force
     /// or torque. `input_offset` is a constant beside the command, in its unit. `command_lead` is a choice
@@ -81,6 +83,7 @@ impl ActuatorSpec {
             c.reflected_inertia,
             c.damping,
             c.force_constant,
+            said("winding_resistance", self.motor.winding_resistance_ohm.unwrap_or(f64::NAN)),
             gain,
             c.sprung_mass,
             said("travel_per_rad", self.ratio()),
@@ -91,8 +94,12 @@ impl ActuatorSpec {
         BASE_PARAMETERS
             .into_iter()
             .zip(nominal)
-            .filter(|((name, ..), _)| {
-                self.kind == Kind::Linear || !matches!(*name, "sprung_mass" | "travel_per_rad")
+            .filter(|((name, ..), _)| match *name {
+                "stiffness" => !self.is_rigid(),
+                "sprung_mass" => self.kind == Kind::Linear && !self.is_rigid(),
+                "travel_per_rad" => self.kind == Kind::Linear,
+                "winding_resistance" => self.is_rigid() && self.motor.winding_resistance_ohm.is_some(),
+                _ => true,
             })
             .map(|((name, linear, rotary), value)| {
                 let unit = if self.kind == Kind::Linear { linear } else { rotary };

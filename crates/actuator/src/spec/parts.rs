@@ -138,6 +138,73 @@ impl Transmission {
     }
 }
 
+/// A position loop inside the drive: the command is a goal, `duty = clamp(k_p e + k_d e' + k_i integral(e))` with
+/// `e = goal - position` of the output, and the motor gets duty times supply. Only for a rotary drive without a spring.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ServoSpec {
+    /// `k_p`, duty per rad; a run's `servo_gain` multiplies it.
+    pub proportional_per_rad: f64,
+    /// `k_d`, duty per rad/s.
+    #[serde(default)]
+    pub derivative_s_per_rad: f64,
+    /// `k_i`, duty per rad s.
+    #[serde(default)]
+    pub integral_per_rad_s: f64,
+    /// Greatest magnitude of the duty.
+    #[serde(default = "one")]
+    pub duty_limit: f64,
+    /// Duty below which the bridge gives no voltage.
+    #[serde(default)]
+    pub duty_dead_zone: f64,
+    /// Greatest current, A.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub current_limit_a: Option<f64>,
+    /// An error below this counts as none, rad.
+    #[serde(default)]
+    pub dead_band_rad: f64,
+    /// From the logged goal to the loop, s.
+    #[serde(default)]
+    pub command_delay_s: f64,
+    /// Age of the position that the loop sees, s.
+    #[serde(default)]
+    pub feedback_delay_s: f64,
+    /// Sampling rate of the loop, Hz; continuous if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_hz: Option<f64>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl ServoSpec {
+    pub(super) fn validate(&self) -> Result<(), ActuatorError> {
+        positive("proportional_per_rad", self.proportional_per_rad)?;
+        let not_negative = [
+            ("derivative_s_per_rad", self.derivative_s_per_rad),
+            ("integral_per_rad_s", self.integral_per_rad_s),
+            ("duty_dead_zone", self.duty_dead_zone),
+            ("dead_band_rad", self.dead_band_rad),
+            ("command_delay_s", self.command_delay_s),
+            ("feedback_delay_s", self.feedback_delay_s),
+        ];
+        for (field, value) in not_negative {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(ActuatorError::value(field, value, "zero or positive, and finite"));
+            }
+        }
+        if !(self.duty_limit > 0.0 && self.duty_limit <= 1.0) {
+            return Err(ActuatorError::value("duty_limit", self.duty_limit, "above 0 and at most 1"));
+        }
+        if self.duty_dead_zone >= self.duty_limit {
+            return Err(ActuatorError::value("duty_dead_zone", self.duty_dead_zone, "below duty_limit"));
+        }
+        optional_positive("current_limit_a", self.current_limit_a)?;
+        optional_positive("rate_hz", self.rate_hz)
+    }
+}
+
 /// What the maker allows. Force and speed of a rotary actuator have their own keys.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

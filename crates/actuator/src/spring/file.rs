@@ -1,6 +1,9 @@
 //! The `[spring]` table of an actuator file, before it is known which keys its type needs.
 
-use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error as _, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::fmt;
 
 use super::{
     BeamLaw, ClampSetting, ConstantSpring, EndLoadedBeam, Material, MomentLoadedBeam, Spring, TorsionSpring,
@@ -36,7 +39,7 @@ enum NameOrLength {
     Length(f64),
 }
 
-const TYPES: [&str; 4] = ["constant", "torsion", "end-loaded-beam", "moment-loaded-beam"];
+const TYPES: [&str; 5] = ["none", "constant", "torsion", "end-loaded-beam", "moment-loaded-beam"];
 
 impl SpringFile {
     /// The keys that are there, apart from the type.
@@ -64,12 +67,44 @@ impl SpringFile {
     }
 }
 
+/// `spring = "none"`, or a `[spring]` table.
+impl<'de> Deserialize<'de> for Spring {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct WordOrTable;
+
+        impl<'de> Visitor<'de> for WordOrTable {
+            type Value = Spring;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("\"none\" or a table with a type")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<Spring, E> {
+                match word {
+                    "none" => Ok(Spring::None),
+                    _ => Err(E::custom(format!(
+                        "spring is '{word}'; it must be \"none\" or a table with a type"
+                    ))),
+                }
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Spring, A::Error> {
+                let file = SpringFile::deserialize(MapAccessDeserializer::new(map))?;
+                Spring::try_from(file).map_err(A::Error::custom)
+            }
+        }
+
+        deserializer.deserialize_any(WordOrTable)
+    }
+}
+
 impl TryFrom<SpringFile> for Spring {
     type Error = String;
 
     fn try_from(file: SpringFile) -> Result<Self, String> {
         let r#type = file.r#type.clone();
         let admitted: &[&str] = match r#type.as_str() {
+            "none" => &[],
             "constant" => &["stiffness_n_m"],
             "torsion" => &["stiffness_nm_rad"],
             "end-loaded-beam" => {
@@ -93,14 +128,13 @@ impl TryFrom<SpringFile> for Spring {
             }
         };
         if let Some(stray) = file.present().into_iter().find(|key| !admitted.contains(key)) {
-            return Err(format!(
-                "a spring of type '{type}' has no '{stray}'; it takes {}",
-                admitted.join(", ")
-            ));
+            let takes = if admitted.is_empty() { "nothing".to_owned() } else { admitted.join(", ") };
+            return Err(format!("a spring of type '{type}' has no '{stray}'; it takes {takes}"));
         }
         let missing = |key: &str| format!("a spring of type '{type}' needs '{key}'");
         let need = |value: Option<f64>, key: &str| value.ok_or_else(|| missing(key));
         Ok(match r#type.as_str() {
+            "none" => Self::None,
             "constant" => {
                 Self::Constant(ConstantSpring { stiffness_n_m: need(file.stiffness_n_m, "stiffness_n_m")? })
             }

@@ -15,15 +15,17 @@ pub use material::Material;
 pub use moment_loaded_beam::{ClampSetting, MomentLoadedBeam};
 pub use softer_than_designed::{Hypothesis, SeriesAndScale, SofterThanDesigned};
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::ActuatorError;
 use crate::text::nearest;
 
 /// The spring of an actuator, as its file describes it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "kebab-case", try_from = "file::SpringFile")]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "kebab-case")]
 pub enum Spring {
+    /// None: the drive is rigid.
+    None,
     /// A number, N/m.
     Constant(ConstantSpring),
     /// A number, N m/rad, for a rotary actuator.
@@ -35,10 +37,11 @@ pub enum Spring {
 }
 
 impl Spring {
-    /// Stiffness at the present setting, N/m (N m/rad for a torsion spring).
+    /// Stiffness at the present setting, N/m (N m/rad for a torsion spring); infinite where there is none.
     #[must_use]
     pub fn stiffness(&self) -> f64 {
         match self {
+            Self::None => f64::INFINITY,
             Self::Constant(spring) => spring.stiffness_n_m,
             Self::Torsion(spring) => spring.stiffness_nm_rad,
             Self::EndLoadedBeam(beam) => beam.stiffness_n_m(),
@@ -53,6 +56,7 @@ impl Spring {
         // Through a rounded number, so that 70 mm does not read 70.0000.
         let millimetres = |metres: f64| format!("{} mm", (1e7 * metres).round() * 1e-4);
         match self {
+            Self::None => "none".to_owned(),
             Self::Constant(spring) => spring.stiffness_n_m.to_string(),
             Self::Torsion(spring) => spring.stiffness_nm_rad.to_string(),
             Self::EndLoadedBeam(beam) => millimetres(beam.pivot_m),
@@ -69,6 +73,7 @@ impl Spring {
     #[must_use]
     pub fn settings(&self) -> &'static str {
         match self {
+            Self::None => "no setting: there is no spring",
             Self::Constant(_) => "a stiffness in N/m",
             Self::Torsion(_) => "a stiffness in N m/rad",
             Self::EndLoadedBeam(_) => "a pivot position such as '70mm' or 0.070 (m)",
@@ -102,6 +107,9 @@ impl Spring {
             }
         };
         Ok(match self {
+            Self::None => {
+                return Err(ActuatorError::value("spring setting", setting, "absent: there is no spring"));
+            }
             Self::Constant(_) => Self::Constant(ConstantSpring { stiffness_n_m: number()? }),
             Self::Torsion(_) => Self::Torsion(TorsionSpring { stiffness_nm_rad: number()? }),
             Self::EndLoadedBeam(beam) => {
@@ -139,6 +147,9 @@ impl Spring {
             return Err(ActuatorError::value("stiffness", stiffness, "positive and finite"));
         }
         Ok(match self {
+            Self::None => {
+                return Err(ActuatorError::value("stiffness", stiffness, "absent: there is no spring"));
+            }
             Self::Constant(_) => Self::Constant(ConstantSpring { stiffness_n_m: stiffness }),
             Self::Torsion(_) => Self::Torsion(TorsionSpring { stiffness_nm_rad: stiffness }),
             Self::EndLoadedBeam(beam) => {
@@ -163,7 +174,7 @@ impl Spring {
     #[must_use]
     pub fn stress_pa(&self, force_n: f64) -> Option<f64> {
         match self {
-            Self::Constant(_) | Self::Torsion(_) => None,
+            Self::None | Self::Constant(_) | Self::Torsion(_) => None,
             Self::EndLoadedBeam(beam) => Some(beam.stress_pa(force_n)),
             Self::MomentLoadedBeam(beam) => Some(beam.stress_pa(force_n)),
         }
@@ -173,7 +184,7 @@ impl Spring {
     #[must_use]
     pub fn limits(&self, rated_force: Option<f64>) -> SpringLimits {
         let (material, yield_force, range_finding) = match self {
-            Self::Constant(_) | Self::Torsion(_) => (None, f64::INFINITY, None),
+            Self::None | Self::Constant(_) | Self::Torsion(_) => (None, f64::INFINITY, None),
             Self::EndLoadedBeam(beam) => (
                 Some(&beam.material),
                 beam.yield_force_n(),
@@ -212,6 +223,7 @@ impl Spring {
             positive("material.yield_strength_pa", m.yield_strength_pa)
         };
         match self {
+            Self::None => Ok(()),
             Self::Constant(spring) => positive("stiffness_n_m", spring.stiffness_n_m),
             Self::Torsion(spring) => positive("stiffness_nm_rad", spring.stiffness_nm_rad),
             Self::EndLoadedBeam(beam) => {

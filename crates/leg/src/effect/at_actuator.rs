@@ -3,7 +3,7 @@
 use super::LegSetting;
 use crate::dynamics::coupling::carries_series;
 use crate::simulation::{actuator_coefficients, actuator_spec};
-use sealegs_actuator::effect::{ActuatorKind, Effect, Scope, Setting, ids};
+use sealegs_actuator::effect::{ActuatorKind, CommandKind, Effect, Scope, Setting, ids};
 use sealegs_actuator::plant::Plant;
 use sealegs_actuator::{ActuatorSpec, Coefficients, Kind};
 use sealegs_model::{EffectCard, Excitation, Parameter, SignalRange, internal};
@@ -55,6 +55,9 @@ pub(super) fn setting(place: &str, leg: &LegSetting) -> Setting {
     Setting {
         kind: if kind == Kind::Rotary { ActuatorKind::Rotary } else { ActuatorKind::Linear },
         stiffness: c.stiffness,
+        has_spring: true,
+        command: CommandKind::Unknown,
+        winding: None,
         total_mass: c.total_mass(),
         unsprung_mass: c.unsprung_mass,
         travel_per_rad: travel,

@@ -307,6 +307,12 @@ impl Resolver<'_> {
         if spec.kind != sealegs_actuator::Kind::Linear {
             return invalid("actuator", format!("'{name}' is rotary: only linear actuators span two links"));
         }
+        if spec.is_rigid() {
+            return invalid(
+                "actuator",
+                format!("'{name}' has no spring: a leg's actuators are series elastic"),
+            );
+        }
         match &self.entry.spring {
             Some(setting) => spec.with_spring_setting(setting).map_err(at("spring")),
             None => Ok(spec),

@@ -15,6 +15,9 @@ pub fn limits(spec: &ActuatorSpec, campaign: &Campaign) -> Limits {
             let by_force = peak.map(|p| p / spec.coefficients().force_constant);
             [spec.motor.current_limit_a, by_force].into_iter().flatten().reduce(f64::min)
         }
+        Some("voltage_v") => spec.motor.supply_v,
+        // A goal is limited by what the runs showed alone.
+        Some("position_rad") => None,
         _ => peak,
     };
     Limits { input }

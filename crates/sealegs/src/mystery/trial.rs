@@ -5,7 +5,7 @@ use crate::bench_model;
 use sealegs_actuator::bench::BenchModel;
 use sealegs_model::Model;
 use sealegs_reference::campaign::{Hidden, Made, Order, Rig, reach};
-use sealegs_sysid::campaign::{Clock, LeftOut, NoiseOrigin, NoiseStd};
+use sealegs_sysid::campaign::{Clock, LeftOut, NoiseOrigin, NoiseStd, RigValues};
 use sealegs_sysid::fit::{self, FitOptions};
 use sealegs_sysid::{Bench, Campaign, Data, Role, Run};
 use std::path::PathBuf;
@@ -86,6 +86,7 @@ pub fn campaign_of(made: &Made) -> Result<(Campaign, BenchModel)> {
     let run = |made: &sealegs_reference::campaign::MadeRun| Run {
         role: if made.holdout { Role::Holdout } else { Role::Fit },
         scenario: None,
+        rig: RigValues::default(),
         scored: 0..made.record.len(),
         left_out: LeftOut::default(),
         unknown: Vec::new(),
@@ -102,6 +103,7 @@ pub fn campaign_of(made: &Made) -> Result<(Campaign, BenchModel)> {
         },
         actuator: made.actuator.to_owned(),
         scenario: None,
+        robot: None,
         model_line: None,
         sample_rate_hz: None,
         noise: noise.collect(),

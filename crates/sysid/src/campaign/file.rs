@@ -14,6 +14,8 @@ pub(super) struct Description {
     pub bench: Bench,
     pub actuator: String,
     pub scenario: Option<String>,
+    /// For a robot: its URDF or model file.
+    pub robot: Option<String>,
     /// The line that names the actuator, for a leg the scenario.
     pub model_line: Option<u64>,
     /// For a leg: columns that are commands.
@@ -33,6 +35,8 @@ pub(super) struct RunEntry {
     pub scenario: Option<String>,
     pub from_s: Option<f64>,
     pub to_s: Option<f64>,
+    /// Its own masses and lengths, or the campaign's.
+    pub rig: super::RigValues,
     /// The line of its `file` key.
     pub line: u64,
 }
@@ -43,6 +47,7 @@ struct RawCampaign {
     bench: Spanned<String>,
     actuator: Option<Spanned<String>>,
     scenario: Option<Spanned<String>>,
+    robot: Option<Spanned<String>>,
     inputs: Option<Spanned<Vec<String>>>,
     sample_rate_hz: Option<Spanned<f64>>,
     input_hold: Option<Spanned<String>>,
@@ -61,8 +66,18 @@ struct RawRun {
     to_s: Option<Spanned<f64>>,
 }
 
-const KEYS: [&str; 9] =
-    ["name", "bench", "actuator", "scenario", "inputs", "sample_rate_hz", "input_hold", "noise_std", "run"];
+const KEYS: [&str; 10] = [
+    "name",
+    "bench",
+    "actuator",
+    "scenario",
+    "robot",
+    "inputs",
+    "sample_rate_hz",
+    "input_hold",
+    "noise_std",
+    "run",
+];
 const RUN_KEYS: [&str; 5] = ["file", "role", "scenario", "from_s", "to_s"];
 
 /// Reads and checks a campaign file; the tables it names are not touched.
@@ -89,9 +104,11 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
     let bench = match raw.bench.get_ref().as_str() {
         "locked" => Bench::Locked,
         "pendulum" => Bench::Pendulum,
+        "free" => Bench::Free,
+        "robot" => Bench::Robot,
         "leg" => Bench::Leg,
         other => {
-            let problem = unknown("bench", other, &["locked", "pendulum", "leg"]);
+            let problem = unknown("bench", other, &["locked", "pendulum", "free", "robot", "leg"]);
             return Err(Error::bad(path, line(raw.bench.span()), Some("bench"), problem));
         }
     };
@@ -103,7 +120,14 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
             "is missing; a leg needs one",
         ));
     }
-    if bench != Bench::Leg && raw.actuator.as_ref().is_none_or(|a| a.get_ref().trim().is_empty()) {
+    if bench == Bench::Robot && raw.robot.is_none() {
+        let problem = "is missing; it names the URDF or the robot's model file";
+        return Err(Error::bad(path, line(raw.bench.span()), Some("robot"), problem));
+    }
+    if let Some(robot) = raw.robot.as_ref().filter(|_| bench != Bench::Robot) {
+        return Err(Error::bad(path, line(robot.span()), Some("robot"), "is for the bench 'robot'"));
+    }
+    if !bench.has_joints() && raw.actuator.as_ref().is_none_or(|a| a.get_ref().trim().is_empty()) {
         return Err(Error::bad(path, raw.actuator.map(|a| line(a.span())), Some("actuator"), "is missing"));
     }
     if let Some(inputs) = raw.inputs.as_ref().filter(|_| bench != Bench::Leg) {
@@ -138,11 +162,12 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         noise_std.push((channel.clone(), positive(value, &format!("noise_std.{channel}"))?));
     }
 
+    let rigs = super::rig::of_runs(path, text, bench)?;
     if raw.run.is_empty() {
         return Err(Error::bad(path, None, Some("run"), "no [[run]]; a campaign needs at least one"));
     }
     let mut runs: Vec<RunEntry> = Vec::new();
-    for run in &raw.run {
+    for (run, rig) in raw.run.iter().zip(rigs) {
         let role = match run.role.get_ref().as_str() {
             "fit" => Role::Fit,
             "holdout" => Role::Holdout,
@@ -166,11 +191,16 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
             scenario: run.scenario.as_ref().map(|s| s.get_ref().clone()),
             from_s: bound(&run.from_s, "from_s")?,
             to_s: bound(&run.to_s, "to_s")?,
+            rig,
             line: line(run.file.span()),
         };
         if runs.iter().any(|r| r.file == entry.file && r.scenario != entry.scenario) {
             let problem = format!("'{}' stands here with two scenarios", entry.file);
             return Err(Error::bad(path, entry.line, Some("scenario"), problem));
+        }
+        if runs.iter().any(|r| r.file == entry.file && r.rig != entry.rig) {
+            let problem = format!("'{}' stands here on two rigs", entry.file);
+            return Err(Error::bad(path, entry.line, Some("file"), problem));
         }
         if let Some(before) = runs.iter().find(|r| r.file == entry.file && r.role != entry.role) {
             let apart = entry.from_s.zip(before.to_s).is_some_and(|(a, b)| a >= b)
@@ -189,13 +219,18 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         folder.file_name().map_or_else(|| "campaign".to_owned(), |n| n.to_string_lossy().into_owned())
     };
-    let model = if bench == Bench::Leg { &raw.scenario } else { &raw.actuator };
+    let model = match bench {
+        Bench::Leg => &raw.scenario,
+        Bench::Robot => &raw.robot,
+        _ => &raw.actuator,
+    };
     Ok(Description {
         model_line: model.as_ref().map(|m| line(m.span())),
         name: raw.name.unwrap_or_else(folder_name),
         bench,
         actuator: raw.actuator.map(Spanned::into_inner).unwrap_or_default(),
         scenario: raw.scenario.map(Spanned::into_inner),
+        robot: raw.robot.map(Spanned::into_inner),
         inputs: raw.inputs.map(Spanned::into_inner).unwrap_or_default(),
         sample_rate_hz,
         hold,
@@ -227,7 +262,10 @@ fn unknown_with_hints(text: &str) -> Vec<(String, String)> {
     };
     let runs = table.get("run").and_then(toml::Value::as_array).into_iter().flatten();
     let of_runs = runs.filter_map(toml::Value::as_table).flat_map(|run| of(run, &RUN_KEYS));
-    of(&table, &KEYS).into_iter().chain(of_runs).collect()
+    let known = |table: (String, String)| {
+        Some(table).filter(|(key, _)| !super::rig::RIG_KEYS.contains(&key.as_str()))
+    };
+    of(&table, &KEYS).into_iter().chain(of_runs).filter_map(known).collect()
 }
 
 /// `unknown role 'hold-out'; did you mean 'holdout'? (known: fit, holdout)`

@@ -3,7 +3,7 @@
 use super::file::Description;
 use super::scored::{scored_rows, too_few_rows};
 use super::table::{Said, add_name, check_columns, check_length, later, sort};
-use super::{Bench, Campaign, Clock, LeftOut, Role, Run, clock};
+use super::{Bench, Campaign, Clock, LeftOut, RigValues, Role, Run, clock};
 use crate::{Error, Place};
 use sealegs_model::{InputHold, Record};
 use std::path::{Path, PathBuf};
@@ -26,6 +26,7 @@ pub struct RunColumns {
     name: String,
     role: Role,
     scenario: Option<String>,
+    rig: RigValues,
     columns: Vec<(String, Vec<f64>)>,
     from_s: Option<f64>,
     to_s: Option<f64>,
@@ -42,6 +43,7 @@ impl RunColumns {
             name: name.into(),
             role,
             scenario: None,
+            rig: RigValues::default(),
             columns: columns.into_iter().map(|(name, values)| (name.into(), values)).collect(),
             from_s: None,
             to_s: None,
@@ -52,6 +54,13 @@ impl RunColumns {
     #[must_use]
     pub fn scenario(mut self, scenario: impl Into<String>) -> Self {
         self.scenario = Some(scenario.into());
+        self
+    }
+
+    /// The rig's own numbers in this run: masses, lengths, a servo's gain.
+    #[must_use]
+    pub fn rig(mut self, rig: RigValues) -> Self {
+        self.rig = rig;
         self
     }
 
@@ -153,7 +162,11 @@ impl CampaignBuilder {
             positive(rate, "sample_rate_hz")?;
         }
         if self.model.trim().is_empty() {
-            let key = if self.bench == Bench::Leg { "scenario" } else { "actuator" };
+            let key = match self.bench {
+                Bench::Leg => "scenario",
+                Bench::Robot => "robot",
+                _ => "actuator",
+            };
             return Err(Error::bad(&file, None, Some(key), "is missing"));
         }
         if self.runs.is_empty() {
@@ -166,12 +179,13 @@ impl CampaignBuilder {
             }
             runs.push(self.checked(run)?);
         }
-        let leg = self.bench == Bench::Leg;
+        let (leg, robot) = (self.bench == Bench::Leg, self.bench == Bench::Robot);
         let description = Description {
             name: self.name,
             bench: self.bench,
-            actuator: if leg { String::new() } else { self.model.clone() },
-            scenario: leg.then_some(self.model),
+            actuator: if leg || robot { String::new() } else { self.model.clone() },
+            scenario: leg.then(|| self.model.clone()),
+            robot: robot.then_some(self.model),
             model_line: None,
             inputs: self.inputs,
             sample_rate_hz: self.sample_rate_hz,
@@ -225,7 +239,8 @@ impl CampaignBuilder {
         let clock = Clock::of(&record.time_s, self.sample_rate_hz);
         let scenario = run.scenario.clone();
         let left_out = LeftOut::of(&record);
-        Ok(Run { role: run.role, scenario, record, scored, left_out, unknown: table.unknown, clock, path })
+        let rig = run.rig.clone();
+        Ok(Run { role: run.role, scenario, rig, record, scored, left_out, unknown: table.unknown, clock, path })
     }
 }
 

@@ -16,6 +16,7 @@ mod left_out;
 mod memory;
 mod noise;
 mod parquet_table;
+mod rig;
 mod scored;
 mod table;
 
@@ -23,6 +24,7 @@ pub use clock::{Clock, Gap};
 pub use left_out::{LeftOut, RARE, Spikes};
 pub use memory::{CampaignBuilder, RunColumns};
 pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
+pub use rig::RigValues;
 
 use crate::nuisance::SensorPrior;
 use crate::{Error, stats};
@@ -33,10 +35,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Columns that are commands to the motor; a run of a bench has exactly one of them.
-pub const INPUT_COLUMNS: [&str; 3] = ["current_a", "motor_force_n", "motor_torque_nm"];
+pub const INPUT_COLUMNS: [&str; 6] =
+    ["current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm", "voltage_v", "position_rad"];
+
+/// Columns that a drive reads beside its command: switched on or not, its measured supply.
+pub const SIDE_COLUMNS: [&str; 2] = ["enable", "supply_v"];
 
 /// Columns that a bench's sensors may have recorded.
-pub const OUTPUT_COLUMNS: [&str; 8] = [
+pub const OUTPUT_COLUMNS: [&str; 11] = [
     "force_1_n",
     "force_2_n",
     "motor_angle_rad",
@@ -45,6 +51,9 @@ pub const OUTPUT_COLUMNS: [&str; 8] = [
     "output_torque_nm",
     "spring_torque_nm",
     "spring_deflection_rad",
+    "position_m",
+    "speed_m_s",
+    "speed_rad_s",
 ];
 
 /// Fewest rows that a run, and the part of it that counts, may have.
@@ -57,17 +66,29 @@ pub enum Bench {
     Locked,
     /// The screw side turns a lever with a weight: the moving-output bench.
     Pendulum,
+    /// The output moves a load freely: a carriage, a rotor with an inertia.
+    Free,
+    /// A robot on a fixed base or a rail with torque drives on its joints.
+    Robot,
     /// A whole leg, by a scenario.
     Leg,
 }
 
 impl Bench {
+    /// Whether it has joints, whose columns are called `<joint>.<what>`.
+    #[must_use]
+    pub fn has_joints(self) -> bool {
+        matches!(self, Self::Robot | Self::Leg)
+    }
+
     /// The name in files.
     #[must_use]
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Locked => "locked",
             Self::Pendulum => "pendulum",
+            Self::Free => "free",
+            Self::Robot => "robot",
             Self::Leg => "leg",
         }
     }
@@ -100,7 +121,9 @@ pub struct Run {
     pub role: Role,
     /// For a leg: its own scenario in place of the campaign's, a preset's name or a file beside the campaign's.
     pub scenario: Option<String>,
-    /// Time stamps, the input and the known output columns, all rows of the file. Its name is the file's.
+    /// Its rig's own numbers.
+    pub rig: RigValues,
+    /// Time stamps, the input first of the inputs, and the known output columns, all rows of the file. Its name is the file's.
     pub record: Record,
     /// The rows that count for errors (`from_s`, `to_s`); the model still simulates from the first row.
     pub scored: Range<usize>,
@@ -139,10 +162,12 @@ pub struct Campaign {
     pub file: PathBuf,
     /// What it was recorded on.
     pub bench: Bench,
-    /// A preset's name, or a path beside the campaign file; empty only for a leg.
+    /// A preset's name, or a path beside the campaign file; may be empty for a leg and for a robot's own model file.
     pub actuator: String,
     /// For a leg: the scenario's preset or file.
     pub scenario: Option<String>,
+    /// For a robot: its URDF or model file, beside the campaign's.
+    pub robot: Option<String>,
     /// The line of the campaign file that names the actuator or the scenario, if it was read from one.
     pub model_line: Option<u64>,
     /// Nominal sample rate, Hz, if stated.
@@ -218,6 +243,7 @@ impl Campaign {
                 Ok(Run {
                     role: run.role,
                     scenario,
+                    rig: run.rig,
                     record,
                     scored,
                     left_out,
@@ -272,7 +298,8 @@ impl Campaign {
         let repeats = noise::repeats(&runs);
         let noise = noise::of_runs(&runs, &description.noise_std);
         let mut runs = runs;
-        for run in &mut runs {
+        // The model of a drive without a spring begins in motion, as its run does.
+        for run in runs.iter_mut().filter(|_| !matches!(description.bench, Bench::Free | Bench::Robot)) {
             notes.extend(skip_start_in_motion(run, &noise));
         }
         Self {
@@ -281,6 +308,7 @@ impl Campaign {
             bench: description.bench,
             actuator: description.actuator,
             scenario: description.scenario,
+            robot: description.robot,
             model_line: description.model_line,
             sample_rate_hz: description.sample_rate_hz,
             noise,
@@ -291,10 +319,20 @@ impl Campaign {
         }
     }
 
+    /// The error of a campaign file with a wrong key.
+    #[must_use]
+    pub fn bad_key(&self, key: &str, problem: impl Into<String>) -> Error {
+        Error::bad(&self.file, None, Some(key), problem)
+    }
+
     /// The error of a campaign file whose actuator or scenario is wrong.
     #[must_use]
     pub fn bad_model(&self, problem: impl Into<String>) -> Error {
-        let key = if self.bench == Bench::Leg { "scenario" } else { "actuator" };
+        let key = match self.bench {
+            Bench::Leg => "scenario",
+            Bench::Robot => "robot",
+            _ => "actuator",
+        };
         Error::bad(&self.file, self.model_line, Some(key), problem)
     }
 

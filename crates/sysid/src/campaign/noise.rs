@@ -155,8 +155,9 @@ fn alike(a: &Run, b: &Run) -> bool {
     let (ra, rb) = (&a.record, &b.record);
     let (Some(ia), Some(ib)) = (ra.inputs.first(), rb.inputs.first()) else { return false };
     let (sa, sb) = (stats::rms(&ia.values), stats::rms(&ib.values));
-    // A leg from another height is another experiment, whatever its input.
+    // A leg from another height, or another weight, is another experiment, whatever its input.
     if a.scenario != b.scenario
+        || a.rig != b.rig
         || ia.channel != ib.channel
         || sa == 0.0
         || (sa / sb - 1.0).abs() > 0.05
@@ -295,6 +296,7 @@ mod tests {
         Run {
             role: Role::Fit,
             scenario: None,
+            rig: crate::campaign::RigValues::default(),
             scored: 0..n,
             left_out: crate::campaign::LeftOut::of(&record),
             unknown: Vec::new(),

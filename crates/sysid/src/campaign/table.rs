@@ -1,7 +1,7 @@
 //! One run's table, whatever it was stored as: what is asked of its columns, and the columns sorted by what they are.
 
 use super::file::did_you_mean;
-use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, OUTPUT_COLUMNS, csv_table, parquet_table};
+use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, OUTPUT_COLUMNS, SIDE_COLUMNS, csv_table, parquet_table};
 use crate::{Error, Place};
 use sealegs_model::{Signal, Unit};
 use std::path::Path;
@@ -94,7 +94,11 @@ pub(super) fn check_columns(
             words.iter().find(|w| w.contains("time")).map_or_else(String::new, |w| format!(" (found '{w}')"));
         return Err(Error::bad(path, at, Some("time_s"), format!("is missing{hint}")));
     }
-    if bench == Bench::Leg {
+    if bench == Bench::Robot && !words.iter().any(|w| is_joint_command(w)) {
+        let problem = "no input column; a robot's joints are commanded by '<joint>.torque_nm'";
+        return Err(Error::bad(path, at, None, problem));
+    }
+    if bench.has_joints() {
         return Ok(());
     }
     let inputs: Vec<&str> = words.iter().copied().filter(|w| INPUT_COLUMNS.contains(w)).collect();
@@ -118,6 +122,11 @@ pub(super) fn check_columns(
     }
 }
 
+/// Whether a robot's column commands a joint.
+fn is_joint_command(name: &str) -> bool {
+    name.ends_with(".torque_nm") || name.ends_with(".force_n")
+}
+
 /// Time must go on.
 pub(super) fn later(path: &Path, at: impl Into<Place>, before: f64, now: f64) -> Result<(), Error> {
     if now > before {
@@ -139,19 +148,26 @@ pub(super) fn check_length(path: &Path, rows: usize) -> Result<(), Error> {
 pub(super) fn sort(names: Vec<String>, columns: Vec<Vec<f64>>, said: Said) -> Table {
     let mut table =
         Table { time_s: Vec::new(), inputs: Vec::new(), outputs: Vec::new(), unknown: Vec::new() };
+    let mut beside = Vec::new();
     for (channel, values) in names.into_iter().zip(columns) {
-        let leg_output = said.bench == Bench::Leg && channel.contains('.');
+        let commands_joint = said.bench == Bench::Robot && is_joint_command(&channel);
+        let leg_output = said.bench.has_joints() && channel.contains('.');
         if channel == "time_s" {
             table.time_s = values;
-        } else if said.leg_inputs.contains(&channel)
-            || (said.bench != Bench::Leg && INPUT_COLUMNS.contains(&channel.as_str()))
+        } else if commands_joint
+            || said.leg_inputs.contains(&channel)
+            || (!said.bench.has_joints() && INPUT_COLUMNS.contains(&channel.as_str()))
         {
             table.inputs.push(Signal { channel, values });
+        } else if !said.bench.has_joints() && SIDE_COLUMNS.contains(&channel.as_str()) {
+            beside.push(Signal { channel, values });
         } else if leg_output || OUTPUT_COLUMNS.contains(&channel.as_str()) {
             table.outputs.push(Signal { channel, values });
         } else {
             table.unknown.push(Signal { channel, values });
         }
     }
+    // After the command, which is the first of the inputs.
+    table.inputs.append(&mut beside);
     table
 }

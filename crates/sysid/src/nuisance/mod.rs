@@ -37,6 +37,11 @@ pub struct SensorPrior {
     pub run_bias_std: f64,
 }
 
+/// Whether a drive's own encoder shows a channel that is no angle: counts, and speeds from counts.
+fn is_encoder(channel: &str) -> bool {
+    channel == "position_m" || channel.ends_with("_m_s") || channel.ends_with("_rad_s")
+}
+
 impl SensorPrior {
     /// The gain stays within this many of its standard deviations.
     pub const GAIN_LIMIT: f64 = 3.0;
@@ -55,11 +60,12 @@ impl SensorPrior {
             "spring_torque_nm" => 0.1,
             // A length along a rail: a scale or a wire.
             "base.height_m" => 0.005,
-            _ if channel.ends_with("_rad") => 0.0,
+            _ if channel.ends_with("_rad") || is_encoder(channel) => 0.0,
             _ => 0.01,
         };
         let (bias_std, run_bias_std) = match channel {
             "motor_angle_rad" => (2.0 * noise_std, 2.0 * noise_std),
+            _ if is_encoder(channel) => (2.0 * noise_std, 2.0 * noise_std),
             _ if channel.ends_with(".rotor_angle_rad") => (2.0 * noise_std, 2.0 * noise_std),
             // A drive measures its current about a zero that it finds anew whenever it is switched on.
             _ if channel.ends_with("_a") => (wide.min(10.0 * noise_std), noise_std),

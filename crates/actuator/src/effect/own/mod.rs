@@ -376,14 +376,19 @@ impl Effect for OwnEffect {
                 plant.laws.spring_forces.push(Box::new(BesideSpring { law, stiffness: plant.stiffness }));
             }
             Place::Output => {
-                let arm = if let Link::Pendulum { arm_m, .. } = plant.link_2 { arm_m } else { 1.0 };
+                let link = plant.rigid.unwrap_or(plant.link_2);
+                let arm = if let Link::Pendulum { arm_m, .. } = link { arm_m } else { 1.0 };
                 plant.output_forces.push(Box::new(OnOutput { law, arm }));
             }
         }
     }
 
     fn applies(&self, setting: &Setting) -> bool {
-        self.place != Place::Output || setting.output_moves
+        match self.place {
+            Place::Output => setting.output_moves,
+            Place::Spring => setting.has_spring,
+            _ => true,
+        }
     }
 
     fn definition(&self) -> Option<&toml::Table> {

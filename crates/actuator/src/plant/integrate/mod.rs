@@ -10,23 +10,24 @@ mod rub;
 
 use super::friction::Held;
 use super::linear::{LinearPart, MOST, Propagator, Row};
-use super::{GRAVITY_M_S2, Grid, Link, Observer, Plant, Trace, WobblingMass};
+use super::servo::Loop;
+use super::{Feed, GRAVITY_M_S2, Grid, Link, Observer, Plant, Trace, WobblingMass};
 use rub::Friction;
 use sealegs_model::ModelError;
 
 pub(super) fn simulate(
     plant: &Plant,
     grid: Grid,
-    commands: &[f64],
+    feed: Feed,
     observer: Option<&Observer>,
 ) -> Result<Trace, ModelError> {
     let linear = LinearPart::of(plant);
     match linear.coordinates.count {
-        1 => Stepper::<1>::new(plant, &linear, grid)?.observed(observer).trace(commands),
-        2 => Stepper::<2>::new(plant, &linear, grid)?.observed(observer).trace(commands),
-        3 => Stepper::<3>::new(plant, &linear, grid)?.observed(observer).trace(commands),
-        4 => Stepper::<4>::new(plant, &linear, grid)?.observed(observer).trace(commands),
-        _ => Stepper::<MOST>::new(plant, &linear, grid)?.observed(observer).trace(commands),
+        1 => Stepper::<1>::new(plant, &linear, grid)?.observed(observer).trace(feed),
+        2 => Stepper::<2>::new(plant, &linear, grid)?.observed(observer).trace(feed),
+        3 => Stepper::<3>::new(plant, &linear, grid)?.observed(observer).trace(feed),
+        4 => Stepper::<4>::new(plant, &linear, grid)?.observed(observer).trace(feed),
+        _ => Stepper::<MOST>::new(plant, &linear, grid)?.observed(observer).trace(feed),
     }
 }
 
@@ -41,6 +42,8 @@ pub(super) struct Stepper<'a, const N: usize> {
     link_1: Option<usize>,
     link_2: Option<usize>,
     screw_end: Option<usize>,
+    /// The coordinate on which forces on the output act: link 2's, or the only one of a drive without a spring.
+    output: Option<usize>,
     gravity: Option<Gravity>,
     /// Accelerations per position, velocity and force, and the part of them that the sprung mass has.
     acceleration: Acceleration<N>,
@@ -110,6 +113,10 @@ pub(super) struct State<const N: usize> {
     pub spring_slip: f64,
     /// Forces of the observer on the rotor and on link 2 over the last step, N.
     pull: (f64, f64),
+    /// Heat that the rotor's dry friction has made, J.
+    pub heat: f64,
+    /// Whether the drive's bridge is open over the step to come.
+    released: bool,
 }
 
 #[inline(always)]
@@ -157,7 +164,8 @@ impl<'a, const N: usize> Stepper<'a, N> {
         let of_sprung = |matrix: &[[f64; N]; N]| -> [f64; N] {
             std::array::from_fn(|j| (0..N).map(|i| row[i] * matrix[i][j]).sum())
         };
-        let gravity = match (plant.link_2, at.link_2) {
+        let output = at.link_2.or(plant.rigid.map(|_| 0));
+        let gravity = match (plant.rigid.unwrap_or(plant.link_2), output) {
             (Link::Pendulum { gravity_torque_nm, arm_m, .. }, Some(coordinate)) => {
                 let wobbling = at.wobbling.zip(plant.wobbling);
                 let more = wobbling.map_or(0.0, |(_, w)| w.mass * GRAVITY_M_S2 * w.radius);
@@ -186,6 +194,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             link_1: at.link_1,
             link_2: at.link_2,
             screw_end: at.screw_end,
+            output,
             sprung: Sprung {
                 by_position: of_sprung(&acceleration.by_position),
                 by_velocity: of_sprung(&acceleration.by_velocity),
@@ -214,11 +223,15 @@ impl<'a, const N: usize> Stepper<'a, N> {
         Self { observer, ..self }
     }
 
-    /// At rest with all springs relaxed.
+    /// At rest with all springs relaxed; a drive without a spring where its run begins.
     pub fn rest(&self) -> State<N> {
         let still = Motion { position: [0.0; N], velocity: [0.0; N] };
+        let mut motion = still;
+        if self.plant.rigid.is_some() {
+            (motion.position[0], motion.velocity[0]) = self.plant.start;
+        }
         State {
-            motion: still,
+            motion,
             beside: still,
             sprung_acceleration: 0.0,
             force_1: 0.0,
@@ -227,15 +240,25 @@ impl<'a, const N: usize> Stepper<'a, N> {
             presliding: 0.0,
             spring_slip: 0.0,
             pull: (0.0, 0.0),
+            heat: 0.0,
+            released: false,
         }
     }
 
-    fn trace(&self, commands: &[f64]) -> Result<Trace, ModelError> {
+    fn trace(&self, feed: Feed) -> Result<Trace, ModelError> {
         let mut trace = Trace::with_room(self.plant, self.grid);
         let mut state = self.rest();
+        let mut servo = self.plant.servo.map(|servo| (servo, Loop::default()));
         self.note(&state, &mut trace);
         for n in 0..self.grid.steps {
-            state = self.step(&state, commands.get(n).copied().unwrap_or(0.0), n);
+            let mut command = feed.command(n);
+            if let Some((servo, of)) = &mut servo {
+                let now = (state.motion.position[0], state.motion.velocity[0]);
+                let supply = feed.supply_v.and_then(|v| v.get(n).copied()).unwrap_or(servo.supply_v);
+                command = supply * servo.duty(command, now, &trace, of);
+            }
+            state.released = feed.released(n);
+            state = self.step(&state, command, n);
             self.note(&state, &mut trace);
             if n % 1024 == 0 {
                 self.check(&state, n)?;
@@ -263,7 +286,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
     pub fn step(&self, from: &State<N>, command: f64, n: usize) -> State<N> {
         let p = &self.propagator;
         let (q, v) = (&from.motion.position, &from.motion.velocity);
-        let commanded = self.plant.commanded_force(command);
+        let commanded = if from.released { 0.0 } else { self.plant.commanded_force(command) };
         // What the linear part and the unlimited motor make of the state.
         let mut plain = from.motion;
         for i in 0..N {
@@ -365,7 +388,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             mean.velocity[i] = travel * per_step;
         }
         let y_dot = mean.velocity[0];
-        if !plant.laws.drive_limits.is_empty() {
+        if !plant.laws.drive_limits.is_empty() && !from.released {
             let limited = plant.laws.limited_force(next.motor, y_dot);
             forces[0] += limited - next.motor;
             next.motor = limited;
@@ -380,13 +403,14 @@ impl<'a, const N: usize> Stepper<'a, N> {
         if !plant.laws.rotor_forces.is_empty() {
             let spring = plant.stiffness * dot(&self.deflection, &mean.position)
                 + plant.laws.spring_damping * dot(&self.deflection, &mean.velocity);
-            let load = spring + departure - plant.sprung_mass * from.sprung_acceleration;
+            let load = spring + departure - plant.sprung_mass * from.sprung_acceleration
+                + plant.transmitted_force(q[0], -from.sprung_acceleration);
             let t = self.grid.time(n) + 0.5 * h;
             // As in a leapfrog: a force that changes fast with the angle neither feeds nor brakes the motion.
             let y = q[0] + 0.5 * h * from.motion.velocity[0];
             forces[0] += plant.laws.rotor_force(y, y_dot, load, t);
         }
-        if let Some(i) = self.link_2.filter(|_| !plant.output_forces.is_empty()) {
+        if let Some(i) = self.output.filter(|_| !plant.output_forces.is_empty()) {
             let (x, t) = (q[i] + 0.5 * h * from.motion.velocity[i], self.grid.time(n) + 0.5 * h);
             for force in &plant.output_forces {
                 forces[i] += force.force(x, mean.velocity[i], from.force_1, t);
@@ -429,6 +453,8 @@ impl<'a, const N: usize> Stepper<'a, N> {
         let (q, v, plant) = (&state.motion.position, &state.motion.velocity, self.plant);
         let force_2 = match (plant.series, self.screw_end) {
             (Some(series), Some(i)) => series.stiffness * (q[i] - self.link_2.map_or(0.0, |j| q[j])),
+            // Of a drive without a spring the sprung mass is none, and its place -y.
+            _ if plant.rigid.is_some() => plant.transmitted_force(q[0], -state.sprung_acceleration),
             _ => state.force_1 - plant.sprung_mass * state.sprung_acceleration,
         };
         trace.screw_position.push(q[0]);

@@ -1,8 +1,8 @@
 //! Dry friction within a step: of the rotor and of the output, rigid and elastic, each found with the others acting.
 
 use super::{Motion, State, Stepper, THIRD, dot};
-use crate::plant::Sliding;
 use crate::plant::friction::Held;
+use crate::plant::{Sliding, Slip};
 
 /// Dry friction over one step.
 #[derive(Clone, Copy, Default)]
@@ -69,7 +69,16 @@ impl<const N: usize> Stepper<'_, N> {
                     after_free: free.velocity[0] + others,
                     mobility: to_velocity[0][0],
                 };
-                let bound = |speed, direction| plant.laws.rotor_friction_bound(speed, direction, load);
+                let position = q[0] + 0.5 * self.grid.step_s * v[0];
+                let bound = |speed, direction| {
+                    plant.laws.rotor_friction_bound(&Slip {
+                        position,
+                        speed,
+                        direction,
+                        load,
+                        heat: from.heat,
+                    })
+                };
                 (friction.dry, friction.rotor) = if self.bound_feels.0 {
                     sliding.resolve(friction.dry.abs(), bound)
                 } else {
@@ -106,6 +115,11 @@ impl<const N: usize> Stepper<'_, N> {
     #[inline(always)]
     fn load(&self, from: &State<N>, after: &Motion<N>) -> f64 {
         let (h, plant) = (self.grid.step_s, self.plant);
+        if plant.rigid.is_some() {
+            let (q, v) = (from.motion.position[0], from.motion.velocity[0]);
+            let gained = (after.velocity[0] - v) * self.per_step;
+            return plant.transmitted_force(q + 0.5 * h * v, gained);
+        }
         let start = dot(&self.deflection, &from.motion.position);
         let travel = dot(&self.deflection, &after.position) - start;
         let delta = start + THIRD * (travel + 0.5 * h * dot(&self.deflection, &from.motion.velocity));
@@ -128,6 +142,7 @@ impl<const N: usize> Stepper<'_, N> {
         }
         next.motion.hold(0, friction.rotor, &from.motion);
         next.dry = friction.dry;
+        next.heat = from.heat - friction.dry * (next.motion.position[0] - from.motion.position[0]);
         if let Some(element) = self.plant.laws.rotor_presliding {
             let travel = next.motion.position[0] - from.motion.position[0];
             next.presliding = element.advance(from.presliding, travel);
@@ -148,7 +163,9 @@ impl<const N: usize> Stepper<'_, N> {
         if self.has_rotor_friction && v[0] * from.motion.velocity[0] < 0.0 {
             let direction = v[0].signum();
             let load = self.load(from, &next.motion);
-            dry = -direction * plant.laws.rotor_friction_bound(v[0], direction, load);
+            let slip =
+                Slip { position: next.motion.position[0], speed: v[0], direction, load, heat: from.heat };
+            dry = -direction * plant.laws.rotor_friction_bound(&slip);
         }
         forces[0] += dry - next.presliding;
         let output = self.link_2.filter(|_| plant.output_friction > 0.0);

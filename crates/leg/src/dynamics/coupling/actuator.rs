@@ -178,6 +178,7 @@ impl Actuator {
             speed_m_s: rotor_rate + back(start.rotor, 1.0),
             previous_m_s: rotor_rate + back(start.rotor, 3.0),
             presliding_n: 0.0,
+            heat_j: 0.0,
         };
         self.lumped = (deflection, back(start.rotor, 1.0));
         self.spring_slip_n = 0.0;

@@ -1,6 +1,6 @@
 //! The rotor: one coordinate in lockstep with the engine, damped implicitly, stuck or slipping exactly.
 
-use sealegs_actuator::plant::{Laws, Sliding};
+use sealegs_actuator::plant::{Laws, Sliding, Slip};
 
 /// The rotor's state, referred to the screw.
 #[derive(Debug, Clone, Copy, Default)]
@@ -13,6 +13,8 @@ pub(super) struct Rotor {
     pub previous_m_s: f64,
     /// Force of the presliding element, N, opposing positive motion when negative.
     pub presliding_n: f64,
+    /// Heat that dry friction has made, J.
+    pub heat_j: f64,
 }
 
 /// What a step of the rotor was.
@@ -54,8 +56,12 @@ impl Rotor {
         }
         if !laws.rotor_friction.is_empty() {
             let sliding = Sliding { before, after_free: free + mobility * friction_n, mobility };
-            friction_n +=
-                sliding.mean_force(|speed, direction| laws.rotor_friction_bound(speed, direction, load));
+            let (position, heat) = (self.y_m, self.heat_j);
+            let dry_n = sliding.mean_force(|speed, direction| {
+                laws.rotor_friction_bound(&Slip { position, speed, direction, load, heat })
+            });
+            friction_n += dry_n;
+            self.heat_j -= dry_n * step_s * (free + mobility * friction_n);
         }
         let mut after = free + mobility * friction_n;
         // What rounding leaves of a speed that friction has just stopped is not a motion.

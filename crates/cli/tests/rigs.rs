@@ -1,0 +1,218 @@
+//! Rigs beside the series elastic ones through the program: a carriage that begins in motion, a servo with its own loop and
+//! pendulums of different weight, a robot with torque drives; every log made here by another integrator.
+
+mod program;
+
+use program::{json, normal, sealegs};
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Steps within a row of a log.
+const FINE: usize = 200;
+
+fn well(arguments: &[&str]) {
+    let done = sealegs(2, arguments);
+    let error = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(0), "{arguments:?}: {error}");
+}
+
+fn parameter(side: &Value, name: &str) -> f64 {
+    let all = side["parameters"].as_array().expect("parameters");
+    let found = all.iter().find(|p| p["name"] == name).unwrap_or_else(|| panic!("no {name} in {all:?}"));
+    found["value"].as_f64().expect("a number")
+}
+
+/// One coordinate with dry friction: position by row, from a force by time, position and speed and a bound by force and
+/// position.
+fn move_one(
+    rows: usize,
+    h: f64,
+    start: (f64, f64),
+    inertia: f64,
+    force: impl Fn(usize, f64, f64) -> f64,
+    bound: f64,
+) -> Vec<f64> {
+    let (mut x, mut v) = start;
+    let mut out = Vec::with_capacity(rows);
+    let step = h / FINE as f64;
+    for n in 0..rows {
+        out.push(x);
+        for _ in 0..FINE {
+            let free = v + step * force(n, x, v) / inertia;
+            let most = step * bound / inertia;
+            v = if free.abs() <= most { 0.0 } else { free - most * free.signum() };
+            x += step * v;
+        }
+    }
+    out
+}
+
+/// Friction and an offset of a carriage whose run begins in motion, anywhere.
+fn carriage(folder: &Path) {
+    let mut seed = 7;
+    for (name, phase, start) in [("fit.csv", 0.0, (0.31, -0.12)), ("check.csv", 1.0, (-0.2, 0.05))] {
+        let push = |n: usize| {
+            let t = n as f64 * 2e-3;
+            70.0 * (2.1 * t + phase).sin() + 40.0 * (5.3 * t).sin()
+        };
+        let force = |n: usize, _x: f64, v: f64| push(n) - 200.0 * v - 3.5;
+        let x = move_one(4000, 2e-3, start, 95.0, force, 20.0);
+        let mut text = "time_s,motor_force_n,position_m\n".to_owned();
+        for (n, x) in x.iter().enumerate() {
+            let noisy = x + 1e-5 * normal(&mut seed);
+            let _ = writeln!(text, "{:.3},{:.6},{noisy:.7}", n as f64 * 2e-3, push(n));
+        }
+        std::fs::write(folder.join(name), text).expect("written");
+    }
+    let text = "name = \"carriage\"\nbench = \"free\"\nactuator = \"rigid-linear\"\n\n[noise_std]\nposition_m = 1e-5\n\n\
+                [[run]]\nfile = \"fit.csv\"\nrole = \"fit\"\n\n[[run]]\nfile = \"check.csv\"\nrole = \"holdout\"\n";
+    std::fs::write(folder.join("campaign.toml"), text).expect("written");
+}
+
+#[test]
+fn a_carriage_that_begins_in_motion_gets_its_friction_and_offset_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    carriage(folder.path());
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (campaign, better, result) = (path("."), path("better.toml"), path("added.json"));
+    well(&[
+        "add",
+        "coulomb-friction+output-offset",
+        "--to",
+        "rigid-linear",
+        "--campaign",
+        &campaign,
+        "-o",
+        &better,
+        "--json",
+        &result,
+    ]);
+    let added = json(Path::new(&result));
+    let after = &added["after"];
+    for (name, truth, tolerance) in [
+        ("reflected_inertia", 95.0, 2.0),
+        ("damping", 200.0, 4.0),
+        ("coulomb-friction.force_n", 20.0, 0.5),
+        ("output-offset.force_n", -3.5, 0.2),
+    ] {
+        let got = parameter(after, name);
+        assert!((got - truth).abs() < tolerance, "{name} = {got}, not {truth}");
+    }
+    // Eleven rows with 10 um of noise tell the first speed to sqrt(192 / 11) 10 um / 20 ms = 2 mm/s, which in the 0.5 s
+    // until it is forgotten is a millimetre, 100 times the noise.
+    assert!(after["holdout_error"].as_f64().expect("a number") < 200.0, "{after}");
+    assert!(added["base"]["holdout_error"].as_f64().expect("a number") > 600.0);
+}
+
+#[test]
+fn a_servo_with_weights_of_its_own_per_run_gets_its_values_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut seed = 3;
+    let (kt, resistance, armature, viscous, dry) = (0.3, 2.4, 0.0015, 0.008, 0.03);
+    let mut campaign = "bench = \"pendulum\"\nactuator = \"servo.toml\"\nlength_m = 0.1\n\n[noise_std]\n\
+                        joint_angle_rad = 5e-4\n\n"
+        .to_owned();
+    for (i, (mass, gain)) in [(0.5, 400.0), (0.3, 100.0), (0.4, 200.0)].into_iter().enumerate() {
+        let goal = |n: usize| {
+            let t = n as f64 * 5e-3;
+            0.9 * (2.3 * t + i as f64).sin() + if t > 2.0 { 0.6 } else { 0.0 }
+        };
+        let on = |n: usize| if n > 600 { 0.0 } else { 1.0 };
+        let inertia = armature + mass * 0.01;
+        let force = |n: usize, x: f64, v: f64| {
+            let volts = 7.4 * (gain * 0.00288 * (goal(n) - x)).clamp(-1.0, 1.0);
+            on(n) * kt * (volts - kt * v) / resistance - mass * 9.81 * 0.1 * x.sin() - viscous * v
+        };
+        let x = move_one(800, 5e-3, (0.2, 0.0), inertia, force, dry);
+        let mut text = "time_s,position_rad,enable,joint_angle_rad\n".to_owned();
+        for (n, x) in x.iter().enumerate() {
+            let noisy = x + 5e-4 * normal(&mut seed);
+            let _ = writeln!(text, "{:.3},{:.6},{},{noisy:.6}", n as f64 * 5e-3, goal(n), on(n));
+        }
+        std::fs::write(folder.path().join(format!("run{i}.csv")), text).expect("written");
+        let role = if i == 2 { "holdout" } else { "fit" };
+        let _ = write!(
+            campaign,
+            "[[run]]\nfile = \"run{i}.csv\"\nrole = \"{role}\"\nmass_kg = {mass}\nservo_gain = {gain}\n\n"
+        );
+    }
+    std::fs::write(folder.path().join("campaign.toml"), campaign).expect("written");
+    let servo = "id = \"servo\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 0.35\n\
+                 rotor_inertia_kg_m2 = 0.001\nrotor_damping_nm_s = 0.005\nwinding_resistance_ohm = 3.0\nsupply_v = 7.4\n\
+                 [transmission]\ntype = \"direct\"\n[servo]\nproportional_per_rad = 0.00288\n\
+                 [parameters.reflected_inertia]\nscale = \"logarithmic\"\n[parameters.damping]\nscale = \"logarithmic\"\n";
+    std::fs::write(folder.path().join("servo.toml"), servo).expect("written");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (campaign, better, result) = (path("campaign.toml"), path("better.toml"), path("added.json"));
+    well(&[
+        "add",
+        "coulomb-friction",
+        "--to",
+        &path("servo.toml"),
+        "--campaign",
+        &campaign,
+        "-o",
+        &better,
+        "--json",
+        &result,
+    ]);
+    let added = json(Path::new(&result));
+    let after = &added["after"];
+    assert!(after["holdout_error"].as_f64().expect("a number") < 2.0, "{after}");
+    for (name, truth, share) in [
+        ("force_constant", kt, 0.05),
+        ("winding_resistance", resistance, 0.05),
+        ("reflected_inertia", armature, 0.1),
+        ("coulomb-friction.force_nm", dry, 0.05),
+    ] {
+        let got = parameter(after, name);
+        assert!((got / truth - 1.0).abs() < share, "{name} = {got}, not {truth}");
+    }
+    // The better file is one to go on with.
+    well(&["compare", &campaign, "--model", &better, "--as-is"]);
+}
+
+#[test]
+fn a_robots_columns_and_files_are_refused_by_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    let urdf = "<robot name=\"one\"><link name=\"base\"/><link name=\"arm\"><inertial><origin xyz=\"0 0 -0.2\"/>\
+                <mass value=\"1\"/><inertia ixx=\"0.01\" iyy=\"0.01\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\
+                </inertial></link><joint name=\"pivot\" type=\"continuous\"><parent link=\"base\"/>\
+                <child link=\"arm\"/><axis xyz=\"0 1 0\"/></joint></robot>";
+    write("one.urdf", urdf);
+    let rows = |header: &str| {
+        let mut text = format!("{header}\n");
+        for n in 0..40 {
+            let _ = writeln!(text, "{:.2},0.1,{:.4}", f64::from(n) * 0.01, 1e-4 * f64::from(n * n));
+        }
+        text
+    };
+    write("good.csv", &rows("time_s,pivot.torque_nm,pivot.angle_rad"));
+    write("stray.csv", &rows("time_s,pivt.torque_nm,pivot.angle_rad"));
+    write("still.csv", &rows("time_s,pivot.speed_rad_s,pivot.angle_rad"));
+    let campaign = |robot: &str, actuator: &str, file: &str| {
+        write(
+            "campaign.toml",
+            &format!("bench = \"robot\"\n{robot}\n{actuator}\n[[run]]\nfile = \"{file}\"\nrole = \"fit\"\n"),
+        );
+        let path = folder.path().join("campaign.toml").display().to_string();
+        let done = sealegs(1, &["compare", &path, "--as-is"]);
+        (done.status.code(), String::from_utf8_lossy(&done.stderr).into_owned())
+    };
+    let (robot, drive) = ("robot = \"one.urdf\"", "actuator = \"rigid-rotary\"");
+    let (status, error) = campaign(robot, drive, "good.csv");
+    assert_eq!(status, Some(0), "{error}");
+    for (said, part) in [
+        (campaign(robot, drive, "stray.csv"), "did you mean 'pivot.torque_nm'?"),
+        (campaign(robot, drive, "still.csv"), "<joint>.torque_nm"),
+        (campaign(robot, "", "good.csv"), "'actuator' must name the drive"),
+        (campaign("", drive, "good.csv"), "robot"),
+        (campaign("robot = \"two.urdf\"", drive, "good.csv"), "two.urdf"),
+        (campaign(robot, "actuator = \"thor-linear\"", "good.csv"), "without a spring"),
+    ] {
+        assert_eq!(said.0, Some(2), "{}", said.1);
+        assert!(said.1.contains(part) && said.1.lines().count() == 1, "{part}: {}", said.1);
+    }
+}

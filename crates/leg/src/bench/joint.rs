@@ -1,0 +1,67 @@
+//! A joint of a robot with its drive: its columns, and what was seen of it.
+
+use sealegs_actuator::bench::BenchModel;
+use sealegs_model::{Excitation, SignalRange};
+
+/// A joint with its drive.
+#[derive(Debug, Clone)]
+pub(super) struct Joint {
+    pub name: String,
+    pub slides: bool,
+    pub model: BenchModel,
+    /// Where each of the drive's parameters is among the robot's.
+    pub at: Vec<usize>,
+}
+
+/// Which column of a joint a channel is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Column {
+    Position,
+    Speed,
+}
+
+impl Joint {
+    /// The column that commands it.
+    pub fn command(&self) -> String {
+        format!("{}.{}", self.name, if self.slides { "force_n" } else { "torque_nm" })
+    }
+
+    /// What a column is called.
+    pub fn channel(&self, column: Column) -> String {
+        let what = match (column, self.slides) {
+            (Column::Position, false) => "angle_rad",
+            (Column::Position, true) => "position_m",
+            (Column::Speed, false) => "speed_rad_s",
+            (Column::Speed, true) => "speed_m_s",
+        };
+        format!("{}.{what}", self.name)
+    }
+
+    /// What a column is called on a bench of the drive alone.
+    pub fn at_drive(&self, column: Column) -> &'static str {
+        match (column, self.slides) {
+            (Column::Position, false) => "joint_angle_rad",
+            (Column::Position, true) => "position_m",
+            (Column::Speed, false) => "speed_rad_s",
+            (Column::Speed, true) => "speed_m_s",
+        }
+    }
+
+    /// What was seen at this joint, by the names of the drive's own bench.
+    pub fn seen(&self, seen: &Excitation) -> Excitation {
+        let prefix = format!("{}.", self.name);
+        let columns = [Column::Position, Column::Speed];
+        let measured = columns.into_iter().filter(|c| seen.measured.contains(&self.channel(*c)));
+        let own = seen.ranges.iter().filter_map(|r| Some((r.name.strip_prefix(&prefix)?, r)));
+        let command = if self.slides { "motor_force_n" } else { "joint_torque_nm" };
+        let ranges = own.map(|(name, range)| SignalRange {
+            name: if self.command() == range.name { command.to_owned() } else { name.to_owned() },
+            ..range.clone()
+        });
+        Excitation {
+            measured: measured.map(|c| self.at_drive(c).to_owned()).collect(),
+            ranges: ranges.collect(),
+            sample_period_s: seen.sample_period_s,
+        }
+    }
+}

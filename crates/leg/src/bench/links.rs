@@ -1,0 +1,65 @@
+//! What may be fitted of a robot's links: mass, centre of mass and moment of inertia, each near what the URDF says.
+
+use super::tree::Tree;
+use crate::robot::Robot;
+use sealegs_model::Parameter;
+
+/// One standard deviation of a link's mass and of its centre's distance from the joint, as ratios: estimates of what a
+/// drawing says of a built link with its cables and screws.
+const TOLERANCE: f64 = 0.05;
+
+/// The same of the moments about the centre of mass, which nobody weighs.
+const MOMENT_TOLERANCE: f64 = 0.2;
+
+/// Standard deviations that are admitted.
+const WITHIN: f64 = 5.0;
+
+/// The parameters of one moving body, by their places among the robot's.
+#[derive(Debug, Clone)]
+pub(super) struct LinkParameters {
+    body: usize,
+    mass_kg: f64,
+    com_m: f64,
+    mass: usize,
+    /// `None` where the centre of mass lies on the joint.
+    com: Option<usize>,
+    moment: usize,
+}
+
+/// Adds the parameters of every moving body that has a mass: `<link>/mass` (kg), `<link>/com_distance` (m, of the centre of
+/// mass from the joint) and `<link>/moment_ratio` (of the moments about the centre of mass to the URDF's). Links on fixed
+/// joints count to the link that carries them.
+pub(super) fn parameters(robot: &Robot, tree: &Tree, all: &mut Vec<Parameter>) -> Vec<LinkParameters> {
+    let mut links = Vec::new();
+    for (body, joint) in robot.moving_joints().enumerate() {
+        let (mass_kg, com_m) = (tree.mass_kg(body), tree.com_m(body));
+        if mass_kg <= 0.0 {
+            continue;
+        }
+        let name = &robot.links[joint.child].name;
+        let mut add = |what: &str, unit: &str, value: f64, tolerance: f64| {
+            let std = tolerance * value;
+            let low = (value - WITHIN * std).max(0.01 * value);
+            let p = Parameter::new(format!("{name}/{what}"), unit, value, low, value + WITHIN * std);
+            all.push(Parameter { prior_std: Some(std), ..p });
+            all.len() - 1
+        };
+        links.push(LinkParameters {
+            body,
+            mass_kg,
+            com_m,
+            mass: add("mass", "kg", mass_kg, TOLERANCE),
+            com: (com_m > 0.0).then(|| add("com_distance", "m", com_m, TOLERANCE)),
+            moment: add("moment_ratio", "", 1.0, MOMENT_TOLERANCE),
+        });
+    }
+    links
+}
+
+impl LinkParameters {
+    /// Puts the values into a tree.
+    pub fn apply(&self, values: &[f64], tree: &mut Tree) {
+        let com = self.com.map_or(1.0, |at| values[at] / self.com_m);
+        tree.scale(self.body, values[self.mass] / self.mass_kg, com, values[self.moment]);
+    }
+}

@@ -1,0 +1,444 @@
+//! The robot with torque drives as a model: parameters by joint and link, effects by joint, prediction of a record.
+
+use super::RobotFile;
+use super::joint::{Column, Joint};
+use super::links::{self, LinkParameters};
+use super::simulate::{JointTrace, Machine};
+use super::tree::Tree;
+use crate::LegError;
+use crate::error::nearest;
+use crate::robot::{JointKind, Robot};
+use sealegs_actuator::bench::{Bench, BenchModel, command_times, start_of};
+use sealegs_actuator::effect::{Effect, OwnEffect};
+use sealegs_actuator::plant::{Grid, Plant, mean_per_step, sample};
+use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
+use sealegs_actuator::{ActuatorSpec, Kind};
+use sealegs_model::{
+    EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
+};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The integrator's greatest step, s.
+const STEP_S: f64 = 5e-4;
+
+/// Parameters of a joint's drive that are the whole logger's, and not a joint's.
+const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
+
+/// A robot on a fixed base or a rail with a torque drive on every joint.
+#[derive(Debug, Clone)]
+pub struct RobotModel {
+    file: Arc<RobotFile>,
+    name: String,
+    tree: Tree,
+    joints: Vec<Joint>,
+    links: Vec<LinkParameters>,
+    parameters: Vec<Parameter>,
+    /// Included effects: the joint and the id there.
+    included: Vec<(usize, String)>,
+    /// Position and speed of every joint at the start, by the records' names.
+    starts: BTreeMap<String, Vec<(f64, f64)>>,
+    step_s: f64,
+    steps_per_sample: Option<f64>,
+}
+
+impl RobotModel {
+    /// The robot of a file with its effects and values, and `own` effects of the user's at every joint.
+    ///
+    /// # Errors
+    ///
+    /// Whatever is wrong with URDF or actuator files; [`LegError::Scenario`] for a robot that does not move, a drive with
+    /// a spring or of the wrong kind, and a parameter or effect that it cannot have.
+    pub fn new(file: RobotFile, own: &[Arc<dyn Effect>]) -> Result<Self, LegError> {
+        let own = with_embedded(&file, own)?;
+        let robot = Robot::load(&file.urdf().display().to_string(), None)?;
+        let bad = |field: String, problem: String| LegError::scenario(&file.robot, &field, problem);
+        if robot.dofs == 0 {
+            return Err(bad("joint".to_owned(), "none of them moves".to_owned()));
+        }
+        let tree = Tree::of(&robot);
+        let mut equations = tree.equations();
+        tree.at(&vec![0.0; robot.dofs], &vec![0.0; robot.dofs], &mut equations);
+        let names: Vec<String> = robot.moving_joints().map(|j| j.name.clone()).collect();
+        if let Some(stray) = file.drive.keys().find(|joint| !names.contains(joint)) {
+            let hint = nearest(stray, names.iter().map(String::as_str))
+                .map(|n| format!("; did you mean '{n}'?"))
+                .unwrap_or_default();
+            return Err(bad(format!("drive.{stray}"), format!("no such joint moves{hint}")));
+        }
+        let mut parameters: Vec<Parameter> = Vec::new();
+        let mut joints = Vec::new();
+        for (i, joint) in robot.moving_joints().enumerate() {
+            let drive = file.drive_of(&joint.name);
+            let spec = ActuatorSpec::load(drive, Some(&file.folder))?;
+            let slides = joint.kind == JointKind::Prismatic;
+            if !spec.is_rigid() || spec.servo.is_some() {
+                let problem = format!("'{drive}' must be a drive without a spring that takes a torque");
+                return Err(bad(format!("drive.{}", joint.name), problem));
+            }
+            if slides != (spec.kind == Kind::Linear) {
+                let kind = if slides { "linear: the joint slides" } else { "rotary: the joint turns" };
+                return Err(bad(format!("drive.{}", joint.name), format!("'{drive}' must be {kind}")));
+            }
+            let load = equations.mass[(i, i)];
+            let mut spec = spec;
+            spec.effects.clear();
+            // What the URDF states of the joint's viscous loss is its own, beside the drive's.
+            spec.motor.rotor_damping_nm_s += joint.damping * spec.ratio() * spec.ratio();
+            let model = BenchModel::with_own_effects(spec, Bench::Free { load }, own.clone())?;
+            let mut at = Vec::new();
+            for p in Model::parameters(&model) {
+                let shared = SHARED.contains(&p.name.as_str());
+                let name = if shared { p.name.clone() } else { format!("{}/{}", joint.name, p.name) };
+                if let Some(known) = parameters.iter().position(|k| k.name == name) {
+                    at.push(known);
+                    continue;
+                }
+                at.push(parameters.len());
+                // A torque command does not feel the torque constant.
+                let unfelt = p.name == "force_constant";
+                parameters.push(Parameter { name, fixed: p.fixed || unfelt, ..p.clone() });
+            }
+            joints.push(Joint { name: joint.name.clone(), slides, model, at });
+        }
+        let links = links::parameters(&robot, &tree, &mut parameters);
+        let mut model = Self {
+            name: robot.name.clone(),
+            tree,
+            joints,
+            links,
+            parameters,
+            included: Vec::new(),
+            starts: BTreeMap::new(),
+            step_s: STEP_S,
+            steps_per_sample: None,
+            file: Arc::new(file),
+        };
+        model.take_stated()?;
+        Ok(model)
+    }
+
+    /// Puts the values and effects of the file into the model.
+    fn take_stated(&mut self) -> Result<(), LegError> {
+        let file = self.file.clone();
+        let bad = |field: String, problem: String| LegError::scenario(&file.robot, &field, problem);
+        for (name, given) in &file.parameters {
+            let Some(p) = self.parameters.iter_mut().find(|p| p.name == *name) else {
+                let hint = nearest(name, self.parameters.iter().map(|p| p.name.as_str()))
+                    .map(|n| format!("; did you mean '{n}'?"))
+                    .unwrap_or_default();
+                return Err(bad(format!("parameters.{name}"), format!("no such parameter{hint}")));
+            };
+            if !given.value.is_finite() {
+                return Err(bad(format!("parameters.{name}"), format!("is {}; must be finite", given.value)));
+            }
+            p.value = given.value;
+            p.prior_std = given.std.filter(|s| *s > 0.0).or(p.prior_std);
+            (p.min, p.max) = (p.min.min(given.value), p.max.max(given.value));
+        }
+        for effect in &file.effects {
+            let before = self.parameters.len();
+            self.include(&effect.id, &Excitation::default())
+                .map_err(|e| bad(format!("effect.{}", effect.id), e.to_string()))?;
+            for (name, given) in &effect.parameters {
+                let full = format!("{}.{name}", effect.id);
+                let Some(p) = self.parameters[before..].iter_mut().find(|p| p.name == full) else {
+                    return Err(bad(format!("effect.{full}"), "no parameter of this effect".to_owned()));
+                };
+                effect.state(*given, p);
+            }
+        }
+        Ok(())
+    }
+
+    /// The same model with the starts of these records, taken from their first rows.
+    #[must_use]
+    pub fn with_starts<'a>(mut self, records: impl IntoIterator<Item = &'a Record>) -> Self {
+        for record in records {
+            let of = |joint: &Joint| {
+                let signal = |column| record.output(&joint.channel(column));
+                let position = signal(Column::Position).map(|values| start_of(&record.time_s, values));
+                let speed = signal(Column::Speed).map(|values| start_of(&record.time_s, values).0);
+                position.unwrap_or((0.0, speed.unwrap_or(0.0)))
+            };
+            self.starts.insert(record.name.clone(), self.joints.iter().map(of).collect());
+        }
+        self
+    }
+
+    /// The same model with another greatest step, s.
+    #[must_use]
+    pub fn with_step(mut self, step_s: f64) -> Self {
+        self.step_s = step_s;
+        self
+    }
+
+    /// The file that it was made from.
+    #[must_use]
+    pub fn file(&self) -> &RobotFile {
+        &self.file
+    }
+
+    /// What the drives' files and the robot's file know of sensors, by column; the robot's goes before.
+    #[must_use]
+    pub fn sensors(&self) -> BTreeMap<String, SensorSpec> {
+        let mut all = BTreeMap::new();
+        for joint in &self.joints {
+            for column in [Column::Position, Column::Speed] {
+                if let Some(sensor) = joint.model.spec().sensors.get(joint.at_drive(column)) {
+                    all.insert(joint.channel(column), *sensor);
+                }
+            }
+        }
+        all.extend(self.file.sensors.clone());
+        all
+    }
+
+    /// What keeps a column from commanding this robot, if anything does.
+    #[must_use]
+    pub fn refuses_input(&self, channel: &str) -> Option<String> {
+        if self.joints.iter().any(|j| j.command() == channel) {
+            return None;
+        }
+        let commands: Vec<String> = self.joints.iter().map(Joint::command).collect();
+        let hint = nearest(channel, commands.iter().map(String::as_str))
+            .map(|n| format!("; did you mean '{n}'?"))
+            .unwrap_or_default();
+        Some(format!("commands no joint of {}{hint}", self.name))
+    }
+
+    /// The file with these parameter values and their standard deviations (those that are missing or not positive are
+    /// left out).
+    #[must_use]
+    pub fn fitted_file(&self, values: &[f64], stds: &[f64]) -> RobotFile {
+        let of = |i: usize| EffectValue {
+            value: values[i],
+            std: stds.get(i).copied().filter(|s| *s > 0.0 && s.is_finite()),
+        };
+        let mut file = self.file.as_ref().clone();
+        for (i, p) in self.parameters.iter().enumerate() {
+            let base = !p.name.contains('.');
+            if base && (!p.fixed || values[i] != p.value) {
+                file.parameters.insert(p.name.clone(), of(i));
+            }
+        }
+        let at_joint = |joint: &Joint| {
+            let own = |all: &[f64]| {
+                joint.at.iter().map(|i| all.get(*i).copied().unwrap_or(0.0)).collect::<Vec<_>>()
+            };
+            joint.model.effect_specs(&own(values), &own(stds))
+        };
+        let effect = |(joint, id): &(usize, String)| {
+            let joint = &self.joints[*joint];
+            let spec = at_joint(joint).into_iter().find(|spec| spec.id == *id);
+            spec.map(|spec| EffectSpec { id: format!("{}/{id}", joint.name), ..spec })
+        };
+        file.effects = self.included.iter().filter_map(effect).collect();
+        file
+    }
+
+    /// As [`Model::with_effect`], still as a robot.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::with_effect`].
+    pub fn including(&self, id: &str, seen: &Excitation) -> Result<Self, ModelError> {
+        let mut model = self.clone();
+        model.include(id, seen)?;
+        Ok(model)
+    }
+
+    fn include(&mut self, id: &str, seen: &Excitation) -> Result<(), ModelError> {
+        let unknown = |suggestion| ModelError::UnknownEffect { id: id.to_owned(), suggestion };
+        let joint = id.split_once('/').and_then(|(place, rest)| {
+            self.joints.iter().position(|j| j.name == place).map(|joint| (joint, rest))
+        });
+        let Some((joint, rest)) = joint else {
+            let known: Vec<String> = self.effects(seen).into_iter().map(|card| card.id).collect();
+            return Err(unknown(nearest(id, known.iter().map(String::as_str))));
+        };
+        let at_joint = self.joints[joint].seen(seen);
+        let place = self.joints[joint].name.clone();
+        let with = self.joints[joint].model.including(rest, &at_joint).map_err(|error| match error {
+            ModelError::UnknownEffect { suggestion, .. } => {
+                unknown(suggestion.map(|s| format!("{place}/{s}")))
+            }
+            other => other,
+        })?;
+        let before = Model::parameters(&self.joints[joint].model).len();
+        for p in &Model::parameters(&with)[before..] {
+            self.joints[joint].at.push(self.parameters.len());
+            self.parameters.push(Parameter { name: format!("{place}/{}", p.name), ..p.clone() });
+        }
+        self.included.push((joint, rest.to_owned()));
+        self.joints[joint].model = with;
+        Ok(())
+    }
+
+    /// The robot with parameter values in place.
+    fn machine(&self, values: &[f64]) -> Result<Machine, ModelError> {
+        let plants = self.joints.iter().map(|joint| {
+            let own: Vec<f64> = joint.at.iter().map(|i| values[*i]).collect();
+            let input = if joint.slides { "motor_force_n" } else { "joint_torque_nm" };
+            joint.model.plant(&own, input)
+        });
+        let drives = plants.collect::<Result<Vec<Plant>, ModelError>>()?;
+        let mut tree = self.tree.clone();
+        self.links.iter().for_each(|link| link.apply(values, &mut tree));
+        Ok(Machine { tree, drives })
+    }
+
+    /// Every channel that the robot's sensors can show.
+    fn find(&self, channel: &str) -> Option<(usize, Column)> {
+        let columns = [Column::Position, Column::Speed];
+        let of = |(i, joint): (usize, &Joint)| {
+            columns.into_iter().find(|c| joint.channel(*c) == channel).map(|c| (i, c))
+        };
+        self.joints.iter().enumerate().find_map(of)
+    }
+
+    fn sense(
+        &self,
+        machine: &Machine,
+        traces: &[JointTrace],
+        grid: &Grid,
+        time_s: &[f64],
+        channels: &[String],
+    ) -> Result<Prediction, ModelError> {
+        let mut outputs = Vec::with_capacity(channels.len());
+        for channel in channels {
+            let Some((i, column)) = self.find(channel) else {
+                return Err(ModelError::UnknownChannel { channel: channel.clone() });
+            };
+            let dense = match column {
+                Column::Position => &traces[i].position,
+                Column::Speed => &traces[i].speed,
+            };
+            let at_drive = self.joints[i].at_drive(column);
+            let stages: Vec<_> =
+                machine.drives[i].laws.sensor_stages.iter().filter(|s| s.concerns(at_drive)).collect();
+            let values = if stages.is_empty() {
+                sample(dense, grid, time_s, 0.0)
+            } else {
+                let mut dense = dense.clone();
+                stages.iter().for_each(|stage| stage.apply(&mut dense, grid.step_s));
+                sample(&dense, grid, time_s, 0.0)
+            };
+            outputs.push(Signal { channel: channel.clone(), values });
+        }
+        let mut internals = Vec::with_capacity(6 * traces.len());
+        for (joint, trace) in self.joints.iter().zip(traces) {
+            for (name, dense) in [
+                (internal::SCREW_SPEED, &trace.speed),
+                (internal::SCREW_POSITION, &trace.position),
+                (internal::SCREW_FORCE, &trace.load),
+                (internal::MOTOR_FORCE, &trace.motor),
+                (internal::JOINT_ANGLE, &trace.position),
+                (internal::JOINT_SPEED, &trace.speed),
+            ] {
+                let channel = format!("{}.{name}", joint.name);
+                internals.push(Signal { channel, values: sample(dense, grid, time_s, 0.0) });
+            }
+        }
+        Ok(Prediction { outputs, internals, events: Vec::new() })
+    }
+}
+
+/// The own effects that a file's effects define, beside those `given`, each id once.
+fn with_embedded(file: &RobotFile, given: &[Arc<dyn Effect>]) -> Result<Vec<Arc<dyn Effect>>, LegError> {
+    let mut own = given.to_vec();
+    let mut known: Vec<&toml::Value> =
+        given.iter().filter_map(|e| e.definition().and_then(|d| d.get("id"))).collect();
+    for effect in &file.effects {
+        let Some(definition) = &effect.definition else { continue };
+        let id = definition.get("id");
+        if id.is_none_or(|id| !known.contains(&id)) {
+            let origin = format!("effect.{}.definition", effect.id);
+            own.push(Arc::new(OwnEffect::from_definition(definition, &origin)?));
+            known.extend(id);
+        }
+    }
+    Ok(own)
+}
+
+impl Model for RobotModel {
+    fn name(&self) -> String {
+        format!("{} with torque drives", self.name)
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn inputs(&self) -> &[&'static str] {
+        &[]
+    }
+
+    fn predicts(&self, channel: &str) -> bool {
+        self.find(channel).is_some()
+    }
+
+    fn included(&self) -> Vec<String> {
+        self.included.iter().map(|(joint, id)| format!("{}/{id}", self.joints[*joint].name)).collect()
+    }
+
+    fn effects(&self, seen: &Excitation) -> Vec<EffectCard> {
+        let of = |joint: &Joint| {
+            let cards = joint.model.effects(&joint.seen(seen)).into_iter();
+            let place = joint.name.clone();
+            cards
+                .map(move |card| EffectCard { id: format!("{place}/{}", card.id), ..card })
+                .collect::<Vec<_>>()
+        };
+        self.joints.iter().flat_map(of).collect()
+    }
+
+    fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {
+        Ok(Box::new(self.including(id, seen)?))
+    }
+
+    fn predict(
+        &self,
+        values: &[f64],
+        record: &Record,
+        channels: &[String],
+    ) -> Result<Prediction, ModelError> {
+        if record.len() < 2 {
+            return Err(ModelError::BadParameter {
+                name: format!("number of rows of {}", record.name),
+                value: record.len() as f64,
+                admitted: "at least 2",
+            });
+        }
+        let machine = self.machine(values)?;
+        let period_s = record.mean_period_s();
+        let fewer = self.steps_per_sample.map_or(0.0, |n| period_s / n);
+        let grid = Grid::covering(&record.time_s, self.step_s.max(fewer));
+        let value =
+            |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
+        let lead = record.hold == InputHold::ZeroOrder && value("command_lead") > 0.5;
+        let told = command_times(&record.time_s, lead, value("clock_skew") * period_s);
+        let commands: Vec<Vec<f64>> = self
+            .joints
+            .iter()
+            .zip(&machine.drives)
+            .map(|(joint, plant)| match record.input(&joint.command()) {
+                Some(values) => mean_per_step(&told, values, record.hold, &plant.laws.command_stages, &grid),
+                None => Vec::new(),
+            })
+            .collect();
+        let still = vec![(0.0, 0.0); self.joints.len()];
+        let start = self.starts.get(&record.name).unwrap_or(&still);
+        let names: Vec<String> = self.joints.iter().map(|j| j.name.clone()).collect();
+        let traces = machine.run(start, &commands, grid, &names)?;
+        self.sense(&machine, &traces, &grid, &record.time_s, channels)
+    }
+
+    fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
+        Box::new(Self { steps_per_sample: Some(steps_per_sample), ..self.clone() })
+    }
+
+    fn clone_box(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,117 @@
+//! The model of a campaign that was recorded on a robot with torque drives: its URDF and drives, or its own model file.
+
+use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
+use crate::diagnosis::addition::Added;
+use crate::diagnosis::plan;
+use crate::{Error, ModelSource, Result};
+use sealegs_actuator::effect::Effect;
+use sealegs_actuator::spec::SensorSpec;
+use sealegs_leg::bench::{RobotFile, RobotModel};
+use sealegs_model::Model;
+use sealegs_sysid::Campaign;
+use sealegs_sysid::diagnose::{Experiment, Limits};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The robot of a campaign, or of the model file `model`, with the user's own effects beside the catalogue's.
+///
+/// What the drives' files and the robot's file say of sensors becomes part of the campaign.
+///
+/// # Errors
+///
+/// Bad input: a URDF or actuator file with an error in it, a drive with a spring, an input column that commands no joint.
+pub fn of_source(
+    campaign: &mut Campaign,
+    model: &ModelSource,
+    own: &[Arc<dyn Effect>],
+) -> Result<RobotModel> {
+    let stated = campaign.robot.clone().unwrap_or_default();
+    let is_model_file = |name: &str| name.ends_with(".toml");
+    let file = match model {
+        ModelSource::File(path) => RobotFile::load(path)?,
+        ModelSource::Actuator(_) | ModelSource::Scenario(_) => {
+            return Err(Error::WrongModel {
+                model: model.label(campaign),
+                bench: campaign.bench.as_str(),
+                needed: "a robot's model file",
+            });
+        }
+        ModelSource::Campaign if is_model_file(&stated) => {
+            RobotFile::load(&campaign.folder().join(&stated)).map_err(|e| campaign.bad_model(e.to_string()))?
+        }
+        ModelSource::Campaign if campaign.actuator.is_empty() => {
+            let problem = format!("'{stated}' is a URDF: 'actuator' must name the drive of its joints");
+            return Err(campaign.bad_model(problem).into());
+        }
+        ModelSource::Campaign => RobotFile::of_urdf(&stated, &campaign.actuator, campaign.folder()),
+    };
+    let file = match was_fitted_here(&file.provenance, model, campaign)? {
+        true => file.without_fitted_std(),
+        false => file,
+    };
+    let records: Vec<_> = campaign.runs.iter().map(|run| run.record.clone()).collect();
+    let named: PathBuf = match model {
+        ModelSource::Campaign => campaign.file.clone(),
+        other => other.label(campaign).into(),
+    };
+    let model = RobotModel::new(file, own)
+        .map_err(|e| Error::RobotFile { file: named, source: Box::new(e) })?;
+    for run in &campaign.runs {
+        for input in &run.record.inputs {
+            if let Some(reason) = model.refuses_input(&input.channel) {
+                let (file, channel) = (run.path.clone(), input.channel.clone());
+                return Err(Error::RefusedInput { file, channel, reason });
+            }
+        }
+    }
+    for (channel, sensor) in model.sensors() {
+        campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
+    }
+    Ok(model.with_starts(&records))
+}
+
+impl CampaignModel for RobotModel {
+    fn sensor(&self, channel: &str) -> Option<SensorSpec> {
+        self.sensors().get(channel).copied()
+    }
+
+    /// Joints have inputs of different sizes: what the runs showed is the limit.
+    fn limits(&self, _campaign: &Campaign) -> Limits {
+        Limits::default()
+    }
+
+    fn plan(&self, experiment: &Experiment, _folder: &Path) -> Result<Option<String>> {
+        Ok(plan::csv(experiment))
+    }
+
+    fn better(
+        &self,
+        added: &Added,
+        campaign: &Campaign,
+        provenance: &[(&str, String)],
+        folder: &Path,
+    ) -> Result<String> {
+        let fit = &added.after.fit;
+        let mut with_them = self.clone();
+        for effect in &added.effects {
+            with_them = with_them.including(effect, &added.seen)?;
+        }
+        let stds: Vec<f64> = fit.parameters.iter().map(|p| p.std).collect();
+        let mut file = with_them.fitted_file(&fit.values, &stds);
+        for sensor in fit.sensors() {
+            let said = file.sensors.entry(sensor.channel.clone()).or_default();
+            said.gain = Some(sensor.gain);
+            said.bias = Some(sensor.bias);
+            said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
+        }
+        note_down(&mut file.provenance, notes_of(added, campaign, provenance));
+        let text = file.to_toml_in(folder)?;
+        // Whoever gets the file must be able to load it.
+        let again = RobotFile::parse(&text, "the model file to be written", folder).map_err(Error::model_file)?;
+        let again = RobotModel::new(again, &[]).map_err(Error::model_file)?;
+        if again.included() != with_them.included() {
+            return Err(Error::model_file("it would lose an effect"));
+        }
+        Ok(text)
+    }
+}

@@ -1,0 +1,132 @@
+//! What a campaign says of its rig beside the actuator: masses, lengths and the servo's gain, for all runs or for one.
+
+use super::Bench;
+use crate::Error;
+use std::path::Path;
+use toml::de::{DeTable, DeValue};
+
+/// A rig's own numbers; `None` where nothing is said. A run's go before the campaign's.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RigValues {
+    /// Mass at the end of a pendulum, or what a linear drive moves beside itself, kg.
+    pub mass_kg: Option<f64>,
+    /// Distance of a pendulum's mass from its joint, m.
+    pub length_m: Option<f64>,
+    /// Mass of a pendulum's rod, evenly spread, kg.
+    pub rod_mass_kg: Option<f64>,
+    /// Lever arm of a pendulum that a linear actuator turns, m.
+    pub arm_m: Option<f64>,
+    /// What a rotary drive on the bench `free` turns beside itself, kg m^2.
+    pub inertia_kg_m2: Option<f64>,
+    /// Factor of the servo's proportional gain.
+    pub servo_gain: Option<f64>,
+}
+
+/// The keys, in a campaign and in a run.
+pub(super) const RIG_KEYS: [&str; 6] =
+    ["mass_kg", "length_m", "rod_mass_kg", "arm_m", "inertia_kg_m2", "servo_gain"];
+
+impl RigValues {
+    /// These values, and the other's where nothing is said.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            mass_kg: self.mass_kg.or(other.mass_kg),
+            length_m: self.length_m.or(other.length_m),
+            rod_mass_kg: self.rod_mass_kg.or(other.rod_mass_kg),
+            arm_m: self.arm_m.or(other.arm_m),
+            inertia_kg_m2: self.inertia_kg_m2.or(other.inertia_kg_m2),
+            servo_gain: self.servo_gain.or(other.servo_gain),
+        }
+    }
+
+    fn place(&mut self, key: &str) -> &mut Option<f64> {
+        match key {
+            "mass_kg" => &mut self.mass_kg,
+            "length_m" => &mut self.length_m,
+            "rod_mass_kg" => &mut self.rod_mass_kg,
+            "arm_m" => &mut self.arm_m,
+            "inertia_kg_m2" => &mut self.inertia_kg_m2,
+            _ => &mut self.servo_gain,
+        }
+    }
+}
+
+/// The values of a campaign's text, run by run, the campaign's own filled in.
+pub(super) fn of_runs(path: &Path, text: &str, bench: Bench) -> Result<Vec<RigValues>, Error> {
+    // What is no TOML has been refused before.
+    let Ok(root) = DeTable::parse(text) else { return Ok(Vec::new()) };
+    let common = of_table(path, text, root.get_ref(), bench)?;
+    let runs = root.get_ref().iter().find(|(key, _)| key.get_ref() == "run");
+    let Some(DeValue::Array(runs)) = runs.map(|(_, value)| value.get_ref()) else { return Ok(Vec::new()) };
+    let tables = runs.iter().filter_map(|run| match run.get_ref() {
+        DeValue::Table(table) => Some(table),
+        _ => None,
+    });
+    tables.map(|table| Ok(of_table(path, text, table, bench)?.or(common))).collect()
+}
+
+fn of_table(path: &Path, text: &str, table: &DeTable, bench: Bench) -> Result<RigValues, Error> {
+    let mut values = RigValues::default();
+    for (key, value) in table {
+        let name = key.get_ref().as_ref();
+        if !RIG_KEYS.contains(&name) {
+            continue;
+        }
+        let line = 1 + text[..key.span().start].matches('\n').count() as u64;
+        let bad = |problem: String| Error::bad(path, line, Some(name), problem);
+        let whose: &[Bench] = match name {
+            "mass_kg" | "servo_gain" => &[Bench::Pendulum, Bench::Free],
+            "inertia_kg_m2" => &[Bench::Free],
+            _ => &[Bench::Pendulum],
+        };
+        if !whose.contains(&bench) {
+            let benches: Vec<&str> = whose.iter().map(|b| b.as_str()).collect();
+            let problem = format!("is for the bench {}, not for '{}'", benches.join(" or "), bench.as_str());
+            return Err(bad(problem));
+        }
+        let number = match value.get_ref() {
+            DeValue::Float(number) => number.as_str().parse::<f64>().ok(),
+            DeValue::Integer(number) => number.as_str().parse::<f64>().ok(),
+            _ => None,
+        };
+        let Some(number) = number else { return Err(bad("is no number".to_owned())) };
+        let may_vanish = matches!(name, "mass_kg" | "rod_mass_kg" | "inertia_kg_m2");
+        if !(number.is_finite() && (number > 0.0 || (may_vanish && number == 0.0))) {
+            let admitted = if may_vanish { "zero or positive, and finite" } else { "positive and finite" };
+            return Err(bad(format!("is {number}; must be {admitted}")));
+        }
+        *values.place(name) = Some(number);
+    }
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "bench = \"pendulum\"\nlength_m = 0.1\n[[run]]\nfile = \"a.csv\"\nmass_kg = 0.5\n\
+                        [[run]]\nfile = \"b.csv\"\nmass_kg = 1\nlength_m = 0.2\nservo_gain = 400\n";
+
+    #[test]
+    fn a_runs_own_values_go_before_the_campaigns() {
+        let runs = of_runs(Path::new("c.toml"), TEXT, Bench::Pendulum).unwrap();
+        assert_eq!(runs[0], RigValues { mass_kg: Some(0.5), length_m: Some(0.1), ..RigValues::default() });
+        assert_eq!(
+            (runs[1].mass_kg, runs[1].length_m, runs[1].servo_gain),
+            (Some(1.0), Some(0.2), Some(400.0))
+        );
+    }
+
+    #[test]
+    fn what_a_bench_cannot_have_is_named_with_its_line() {
+        let error = of_runs(Path::new("c.toml"), TEXT, Bench::Free).unwrap_err().to_string();
+        assert!(error.contains("line 2") && error.contains("length_m"), "{error}");
+        let negative = TEXT.replace("= 0.5", "= -0.5");
+        let error = of_runs(Path::new("c.toml"), &negative, Bench::Pendulum).unwrap_err().to_string();
+        assert!(error.contains("line 5") && error.contains("mass_kg"), "{error}");
+        let word = TEXT.replace("= 400", "= \"high\"");
+        let error = of_runs(Path::new("c.toml"), &word, Bench::Pendulum).unwrap_err().to_string();
+        assert!(error.contains("line 10") && error.contains("no number"), "{error}");
+    }
+}
