@@ -22,6 +22,12 @@ pub enum Unit {
     MetrePerSecond,
     /// `_rad_s`, radian per second.
     RadianPerSecond,
+    /// `_v`, volt.
+    Volt,
+    /// `_c`, degree Celsius.
+    Celsius,
+    /// `_w`, watt.
+    Watt,
 }
 
 /// The suffix of a channel is not one of the known units.
@@ -33,7 +39,11 @@ pub struct UnknownUnit {
 
 impl fmt::Display for UnknownUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "'{}' does not end in a known unit (_s, _a, _n, _nm, _rad, _m, _m_s, _rad_s)", self.channel)
+        let channel = &self.channel;
+        write!(
+            f,
+            "'{channel}' does not end in a known unit (_s, _a, _n, _nm, _rad, _m, _m_s, _rad_s, _v, _c, _w)"
+        )
     }
 }
 
@@ -41,7 +51,7 @@ impl std::error::Error for UnknownUnit {}
 
 impl Unit {
     /// Longer suffixes first, so that `_rad_s` is not taken for `_s`.
-    const SUFFIXES: [(&'static str, Self); 8] = [
+    const SUFFIXES: [(&'static str, Self); 11] = [
         ("_rad_s", Self::RadianPerSecond),
         ("_m_s", Self::MetrePerSecond),
         ("_nm", Self::NewtonMetre),
@@ -50,6 +60,9 @@ impl Unit {
         ("_a", Self::Ampere),
         ("_n", Self::Newton),
         ("_m", Self::Metre),
+        ("_v", Self::Volt),
+        ("_c", Self::Celsius),
+        ("_w", Self::Watt),
     ];
 
     /// The unit that a channel's name ends in.
@@ -77,6 +90,9 @@ impl Unit {
             Self::Metre => "m",
             Self::MetrePerSecond => "m/s",
             Self::RadianPerSecond => "rad/s",
+            Self::Volt => "V",
+            Self::Celsius => "°C",
+            Self::Watt => "W",
         }
     }
 }
@@ -92,6 +108,8 @@ mod tests {
         assert_eq!(Unit::of_channel("output_torque_nm"), Ok(Unit::NewtonMetre));
         assert_eq!(Unit::of_channel("force_1_n"), Ok(Unit::Newton));
         assert_eq!(Unit::of_channel("knee.angle_rad"), Ok(Unit::Radian));
+        assert_eq!(Unit::of_channel("supply_v"), Ok(Unit::Volt));
+        assert_eq!(Unit::of_channel("temperature_c"), Ok(Unit::Celsius));
         assert!(Unit::of_channel("force_lbf").is_err());
         assert!(Unit::of_channel("_n").is_err());
     }

@@ -9,11 +9,9 @@
 //! (spectra, autocorrelation) resamples once with [`crate::resample`].
 
 mod clock;
-mod csv_table;
-mod fence;
+mod columns;
 mod file;
 mod noise;
-mod parquet_table;
 mod table;
 
 pub use clock::{Clock, Gap};
@@ -27,10 +25,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Columns that are commands to the motor; a run of a bench has exactly one of them.
-pub const INPUT_COLUMNS: [&str; 3] = ["current_a", "motor_force_n", "motor_torque_nm"];
+pub const INPUT_COLUMNS: [&str; 6] =
+    ["current_a", "motor_force_n", "motor_torque_nm", "voltage_v", "joint_torque_nm", "position_rad"];
+
+/// Columns that switch a drive, beside its input: zero releases it.
+pub const SWITCH_COLUMNS: [&str; 1] = ["enable"];
 
 /// Columns that a bench's sensors may have recorded.
-pub const OUTPUT_COLUMNS: [&str; 8] = [
+pub const OUTPUT_COLUMNS: [&str; 12] = [
     "force_1_n",
     "force_2_n",
     "motor_angle_rad",
@@ -39,6 +41,10 @@ pub const OUTPUT_COLUMNS: [&str; 8] = [
     "output_torque_nm",
     "spring_torque_nm",
     "spring_deflection_rad",
+    "position_m",
+    "speed_rad_s",
+    "supply_v",
+    "temperature_c",
 ];
 
 /// Fewest rows that a run, and the part of it that counts, may have.
@@ -102,8 +108,10 @@ pub struct Run {
     pub unknown: Vec<Signal>,
     /// How regular the time stamps are.
     pub clock: Clock,
-    /// Where it was read from.
+    /// Where it was read from; of several files the first, whose clock leads.
     pub path: PathBuf,
+    /// The unit of the rig that it was recorded on (`left`), where the campaign says so.
+    pub unit: Option<String>,
 }
 
 /// Everything that a campaign's files say.
@@ -159,23 +167,25 @@ impl Campaign {
         let file = if path.is_dir() { path.join("campaign.toml") } else { path.to_owned() };
         let description = file::read(&file)?;
         let folder = file.parent().unwrap_or(Path::new("."));
-        let runs: Vec<Result<Run, Error>> = description
+        let runs: Vec<Result<(Run, Vec<String>), Error>> = description
             .runs
             .par_iter()
             .map(|run| {
-                let path = folder.join(&run.file);
-                if !path.is_file() {
-                    return Err(Error::bad(
-                        &file,
-                        run.line,
-                        Some("file"),
-                        format!("no such file: {}", run.file),
-                    ));
+                if let Some(missing) = run.files.iter().find(|f| !folder.join(&f.file).exists()) {
+                    let problem = format!("no such file: {}", missing.file);
+                    return Err(Error::bad(&file, run.line, Some("file"), problem));
                 }
-                let said = table::Said { bench: description.bench, leg_inputs: &description.inputs };
-                let table = table::read(&path, said)?;
+                let path = folder.join(&run.files[0].file);
+                let said = table::Said {
+                    bench: description.bench,
+                    leg_inputs: &description.inputs,
+                    sample_rate_hz: description.sample_rate_hz,
+                    hold: description.hold,
+                };
+                let mut table = table::read(&file, folder, run, said)?;
+                let notes = std::mem::take(&mut table.notes);
                 let record = Record {
-                    name: run.file.clone(),
+                    name: run.name(),
                     time_s: table.time_s,
                     hold: description.hold,
                     inputs: table.inputs,
@@ -186,7 +196,7 @@ impl Campaign {
                         &file,
                         run.line,
                         Some("from_s, to_s"),
-                        format!("leave fewer than {FEWEST_ROWS} rows of {}", run.file),
+                        format!("leave fewer than {FEWEST_ROWS} rows of {}", run.name()),
                     )
                 })?;
                 let time = &record.time_s;
@@ -194,19 +204,23 @@ impl Campaign {
                     return Err(Error::bad(&path, None, Some("time_s"), problem));
                 }
                 let clock = Clock::of(&record.time_s, description.sample_rate_hz);
-                let scenario = run.scenario.clone();
-                Ok(Run { role: run.role, scenario, record, scored, unknown: table.unknown, clock, path })
+                let (scenario, unit) = (run.scenario.clone(), run.unit.clone());
+                let unknown = table.unknown;
+                let run = Run { role: run.role, scenario, record, scored, unknown, clock, path, unit };
+                Ok((run, notes))
             })
             .collect();
-        let runs = runs.into_iter().collect::<Result<Vec<Run>, Error>>()?;
+        let (runs, of_runs): (Vec<Run>, Vec<Vec<String>>) =
+            runs.into_iter().collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
         let mut notes = description.notes;
-        for run in &runs {
-            for column in &run.unknown {
-                notes.push(format!(
-                    "{}: unknown column '{}' is kept, and compared with nothing",
-                    run.record.name, column.channel
-                ));
-            }
+        for ((run, entry), own) in runs.iter().zip(&description.runs).zip(of_runs) {
+            notes.extend(own);
+            // Of mapped files one note names them all.
+            let unsaid = run.unknown.iter().filter(|_| entry.columns.is_none());
+            notes.extend(unsaid.map(|column| {
+                let channel = &column.channel;
+                format!("{}: unknown column '{channel}' is kept, and compared with nothing", run.record.name)
+            }));
             notes.extend(run.clock.remarks().into_iter().map(|r| format!("{}: {r}", run.record.name)));
         }
         for (channel, _) in &description.noise_std {
