@@ -43,13 +43,32 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
         if row.len() == 1 && row[0].iter().all(u8::is_ascii_whitespace) {
             continue;
         }
-        let line = line_of(row.position()).unwrap_or(1);
+        let line = row.position().map_or(1, |p| start.lines + line_of_record(body, p, start.comment));
         match &mut table {
             None => table = Some(Building::new(path, line, row.iter(), &start, bytes.len())?),
             Some(table) => table.row(path, line, row.len(), row.iter())?,
         }
     }
     finish(path, table)
+}
+
+/// The line of a record that the library says to begin here: it means the end of the record before, with blank lines,
+/// comments and half of a line break between them.
+fn line_of_record(body: &[u8], position: &csv::Position, comment: Option<u8>) -> u64 {
+    let (mut at, mut line) = (position.byte() as usize, position.line());
+    loop {
+        match body.get(at) {
+            Some(b'\n') => line += 1,
+            Some(b'\r') => {}
+            Some(&mark) if Some(mark) == comment => {
+                let rest = &body[at..];
+                at += rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+                continue;
+            }
+            _ => return line,
+        }
+        at += 1;
+    }
 }
 
 /// As [`parse`] of a body whose cells are separated by spaces.
@@ -292,8 +311,11 @@ mod tests {
             (Place::Line(7), "'x' is no number")
         );
         assert_eq!(table.places.of(2), Place::Line(9));
-        let table = read("t q\n\n0 1\n\n1 x\n").unwrap();
-        assert_eq!(table.places.of(1), Place::Line(5));
+        for text in ["t q\n\n0 1\n\n1 x\n", "t,q\r\n\r\n0,1\r\n\r\n1,x\r\n", "t;q\n\n0;\"1\"\n\n1;x"] {
+            let table = read(text).unwrap();
+            assert_eq!(table.places.of(0), Place::Line(3), "{text:?}");
+            assert_eq!(table.places.of(1), Place::Line(5), "{text:?}");
+        }
     }
 
     #[test]

@@ -176,7 +176,11 @@ struct First {
 pub(crate) fn roles(table: &Table, clock: Option<usize>, columns: &mut [ColumnSurvey]) {
     let mut guesses: Vec<First> = Vec::new();
     for (i, column) in columns.iter().enumerate() {
-        if Some(i) == clock || column.range.is_none() || (column.constant && column.holds.is_none()) {
+        let values = &table.columns[i].values;
+        // The number of the row, whatever it is called.
+        let counts = values.len() > 1 && values.windows(2).all(|w| w[1] - w[0] == 1.0);
+        if Some(i) == clock || counts || column.range.is_none() || (column.constant && column.holds.is_none())
+        {
             continue;
         }
         let own = &table.columns[i].name;

@@ -11,6 +11,7 @@
 //! half a gigabyte more than its own size.
 
 mod arrays;
+mod bag;
 mod budget;
 pub mod columns;
 mod csv_table;
@@ -25,6 +26,7 @@ mod numpy;
 mod open;
 mod parquet_table;
 mod ros;
+mod sqlite;
 pub mod survey;
 mod table;
 mod topics;

@@ -1,7 +1,7 @@
 //! Which reader a file needs.
 
 use crate::table::Log;
-use crate::{LogError, csv_table, json, matlab, mcap_log, numpy, parquet_table};
+use crate::{LogError, bag, csv_table, json, matlab, mcap_log, numpy, parquet_table, sqlite};
 use std::path::{Path, PathBuf};
 
 /// A format of log files.
@@ -55,7 +55,7 @@ const MAGIC: [(&[u8], Format); 7] = [
     (b"MATLAB ", Format::Matlab),
     (b"\x93NUMPY", Format::Npy),
     (matlab::HDF5, Format::Hdf5),
-    (b"SQLite format 3\0", Format::Sqlite),
+    (sqlite::MAGIC, Format::Sqlite),
     (b"RRF", Format::Rrd),
 ];
 
@@ -115,11 +115,7 @@ pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Log, LogError> {
         Format::Npy => numpy::parse_npy(path, &bytes),
         Format::Npz => numpy::parse_npz(path, &bytes),
         Format::Mcap => mcap_log::parse(path, &bytes),
-        Format::Sqlite => {
-            let remedy =
-                "is a ROS 2 bag in SQLite, which is not read; convert it with `ros2 bag convert` to mcap";
-            Err(LogError::whole(path, remedy))
-        }
+        Format::Sqlite => bag::parse(path, &bytes),
         Format::Hdf5 => Err(LogError::whole(path, matlab::HDF5_REMEDY)),
         Format::Rrd => {
             let remedy = "is a recording of Rerun, which is not read; save its scalars as Parquet or CSV: \

@@ -118,4 +118,9 @@ proptest! {
     ]) {
         survive("r.mcap", bytes);
     }
+
+    #[test]
+    fn damaged_bags(bytes in damaged_bytes(&good("bag.db3"))) {
+        survive("r.db3", bytes);
+    }
 }

@@ -143,17 +143,20 @@ fn reference_mcap_holds_the_numbers_in_every_compression() {
 
 #[test]
 fn reference_ros_bags_hold_joints_by_their_names() {
-    let log = log("bag.mcap");
-    let states = log.tables.iter().find(|t| t.name == "/joint_states").unwrap();
-    // The order of the joints changes from message to message.
-    holds(states, "position[knee]", q, EXACT);
-    holds(states, "position[ankle]", |row| -q(row), EXACT);
-    holds(states, "velocity[ankle]", |row| -2.0 * q(row), EXACT);
-    holds(states, "header.stamp_s", |row| 0.123_456_789 + t(row), 1e-12);
-    let commands = log.tables.iter().find(|t| t.name == "/commands").unwrap();
-    assert_eq!(commands.column("data[1]").unwrap().values, [0.0, 10.0, 20.0, 30.0]);
-    let command = log.tables.iter().find(|t| t.name == "/command").unwrap();
-    assert_eq!(command.column("data").unwrap().values, [1.5; 4]);
+    for name in ["bag.mcap", "bag.db3"] {
+        let log = log(name);
+        let states = log.tables.iter().find(|t| t.name == "/joint_states").unwrap();
+        // The order of the joints changes from message to message.
+        holds(states, "position[knee]", q, EXACT);
+        holds(states, "position[ankle]", |row| -q(row), EXACT);
+        holds(states, "velocity[ankle]", |row| -2.0 * q(row), EXACT);
+        holds(states, "header.stamp_s", |row| 0.123_456_789 + t(row), 1e-12);
+        holds(states, "log_time_s", |row| 0.123_756_789 + t(row), 1e-12);
+        let commands = log.tables.iter().find(|t| t.name == "/commands").unwrap();
+        assert_eq!(commands.column("data[1]").unwrap().values, [0.0, 10.0, 20.0, 30.0]);
+        let command = log.tables.iter().find(|t| t.name == "/command").unwrap();
+        assert_eq!(command.column("data").unwrap().values, [1.5; 4]);
+    }
 }
 
 #[test]
@@ -175,6 +178,7 @@ fn what_is_not_read_says_what_to_do() {
         ("r.npy", b"nothing", "no readable NumPy"),
         ("r.mat", b"nothing", "no MAT-file"),
         ("r.json", b"nothing", "no readable JSON"),
+        ("r.db3", b"nothing", "no readable ROS 2 bag"),
         ("r.csv", b"", "is empty"),
     ] {
         let message = sealegs_logs::parse(Path::new(name), bytes.to_vec()).unwrap_err().to_string();

@@ -6,6 +6,7 @@ use crate::output::{Destination, NewFolder};
 use clap::Args;
 use sealegs_logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey};
 use sealegs_logs::{Log, Place};
+use sealegs_sysid::campaign::INPUT_COLUMNS;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -67,7 +68,7 @@ fn describe(out: &mut String, file: &Path, log: &Log, found: &Survey) {
             .constants
             .iter()
             .take(24)
-            .map(|(name, value)| format!("{name} = {}", figures(*value, 6)))
+            .map(|(name, value)| format!("{name} = {}", short(*value, 6)))
             .collect();
         let more = log.constants.len().saturating_sub(24);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
@@ -97,8 +98,8 @@ fn clock(table: &TableSurvey) -> String {
     let ClockSurvey { duration_s, rate_hz, jitter, gaps, longest_s, .. } = clock;
     let mut said = format!(
         ", {} s at {} Hz by '{}' in {}",
-        figures(*duration_s, 4),
-        figures(*rate_hz, 5),
+        short(*duration_s, 4),
+        short(*rate_hz, 5),
         table.columns[clock.column].name,
         clock.unit
     );
@@ -107,7 +108,7 @@ fn clock(table: &TableSurvey) -> String {
         let _ = write!(said, "; steps vary by {:.0} %", 100.0 * jitter);
     }
     if *gaps > 0 {
-        let _ = write!(said, "; {gaps} gaps, the longest {} s", figures(*longest_s, 3));
+        let _ = write!(said, "; {gaps} gap(s), the longest {} s", short(*longest_s, 3));
     }
     if let Some(at) = clock.stands {
         let _ = write!(said, "; time does not go on in {}", place(at));
@@ -127,8 +128,8 @@ fn place(at: Place) -> String {
 fn content(column: &ColumnSurvey) -> String {
     let mut said = match column.range {
         None => "no numbers".to_owned(),
-        Some((low, _)) if column.constant => format!("always {}", figures(low, 6)),
-        Some((low, high)) => format!("{} to {}", figures(low, 5), figures(high, 5)),
+        Some((low, _)) if column.constant => format!("always {}", short(low, 6)),
+        Some((low, high)) => format!("{} to {}", short(low, 5), short(high, 5)),
     };
     if let Some(holds) = &column.holds {
         let _ = write!(said, "; {holds}");
@@ -196,20 +197,34 @@ fn map<'a>(column: &'a ColumnSurvey, taken: &mut Vec<&'a str>) -> String {
     let Some(role) = &column.role else {
         let why = match column.range {
             None => "no numbers".to_owned(),
-            Some((low, _)) if column.constant => format!("always {}", figures(low, 6)),
-            Some((low, high)) => format!("{} to {}", figures(low, 5), figures(high, 5)),
+            Some((low, _)) if column.constant => format!("always {}", short(low, 6)),
+            Some((low, high)) => format!("{} to {}", short(low, 5), short(high, 5)),
         };
         return format!("# {source} = \"\"   # {}", one_line(&why));
     };
-    // Every table has its own time.
-    let free = role.target == "time_s" || !taken.contains(&role.target.as_str());
-    taken.push(&role.target);
+    // Every table has its own time; a bench has one input.
+    let input = |target: &str| INPUT_COLUMNS.contains(&target);
+    let free = role.target == "time_s"
+        || !taken.iter().any(|t| *t == role.target || (input(t) && input(&role.target)));
+    if free {
+        taken.push(&role.target);
+    }
     let said = match &role.settings {
         Some(settings) => format!("{{ as = {}, {settings} }}", quoted(&role.target)),
         None => quoted(&role.target),
     };
     let mark = if free && column.fault.is_none() { "" } else { "# " };
     format!("{mark}{source} = {said}   # {}", one_line(&role.reason))
+}
+
+/// A number with at most so many digits, without zeros that say nothing.
+fn short(value: f64, digits: usize) -> String {
+    let text = figures(value, digits);
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
 }
 
 /// A text as a TOML string.
