@@ -118,6 +118,9 @@ pub fn join(mut files: Vec<File>, request: &Request) -> Result<Joined, JoinError
     for w in &wanted {
         usable(&files, w)?;
     }
+    for (f, file) in files.iter().enumerate().filter(|(f, _)| tables.iter().all(|t| t.0 != *f)) {
+        notes.push(format!("{}: no channel is made of file {}", file.label, f + 1));
+    }
     let leader = clock(&files, lead, &clocks, request, tables.len() == 1, &mut notes)?;
     let lead_time = leader.time_s.as_slice();
 

@@ -37,7 +37,9 @@ impl Said<'_> {
     }
 
     fn is_output(&self, channel: &str) -> bool {
-        let of_a_leg = self.bench == Bench::Leg && channel.contains('.') && Unit::of_channel(channel).is_ok();
+        // The stamp of a message's header is no measurement.
+        let measured = Unit::of_channel(channel).is_ok_and(|unit| unit != Unit::Second);
+        let of_a_leg = self.bench == Bench::Leg && channel.contains('.') && measured;
         !self.is_input(channel) && (of_a_leg || OUTPUT_COLUMNS.contains(&channel))
     }
 }
