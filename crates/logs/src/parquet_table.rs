@@ -107,7 +107,7 @@ fn not_numbers(name: &str, rows: usize, found: &str) -> Column {
     Column {
         name: name.to_owned(),
         values: vec![f64::NAN; rows],
-        fault: Some(Fault { row: 0, problem }),
+        fault: (rows > 0).then_some(Fault { row: 0, problem }),
         ..Column::default()
     }
 }

@@ -170,6 +170,13 @@ pub fn join(mut files: Vec<File>, request: &Request) -> Result<Joined, JoinError
             0 => w.map.apply(&source.values),
             _ => w.map.apply(&source.clone().into_absolute()),
         };
+        // Finite numbers of the file may be beyond all doubles once they are scaled.
+        if let Some(row) = values.iter().position(|v| !v.is_finite()) {
+            let table = table(&files, (w.at.file, w.at.table));
+            let (at, name) = (table.places.of(row), table.full_name(source));
+            let problem = format!("'{}' is not finite as {}", source.values[row], w.map.target);
+            return Err(LogError::new(&files[w.at.file].path, at, Some(&name), problem).into());
+        }
         let values = match followers.iter().find(|(at, ..)| *at == (w.at.file, w.at.table)) {
             None | Some((_, _, true)) => values[span.clone()].to_vec(),
             Some((_, time, false)) => {
