@@ -83,6 +83,7 @@ pub(super) fn resolve(files: &[File], request: &Request) -> Result<(Vec<Wanted>,
         }
         wanted.push(Wanted { at: hits[0], map: map.clone() });
     }
+    let maps = wanted.len();
     for (f, file) in files.iter().enumerate() {
         for (t, table) in file.log.tables.iter().enumerate() {
             for (c, column) in table.columns.iter().enumerate() {
@@ -91,12 +92,19 @@ pub(super) fn resolve(files: &[File], request: &Request) -> Result<(Vec<Wanted>,
                 if mapped || column.name == "time_s" || !(request.known)(&column.name) {
                     continue;
                 }
-                if let Some(other) = wanted.iter().find(|w| w.map.target == column.name) {
-                    let problem = format!(
-                        "'{}' stands in {} and is also made of '{}'",
-                        column.name, file.label, other.map.source
-                    );
-                    return Err(JoinError::Run(problem));
+                match wanted.iter().position(|w| w.map.target == column.name) {
+                    // Of columns of one name the map has chosen one.
+                    Some(i) if i < maps && super::column(files, wanted[i].at).name == column.name => continue,
+                    Some(i) => {
+                        let other = &wanted[i];
+                        let from = &files[other.at.file].label;
+                        let problem = format!(
+                            "'{}' stands in {} and is also made of '{}' in {from}; map one of them",
+                            column.name, file.label, other.map.source
+                        );
+                        return Err(JoinError::Run(problem));
+                    }
+                    None => {}
                 }
                 wanted.push(Wanted { at, map: ColumnMap::plain(&column.name) });
             }

@@ -93,6 +93,16 @@ fn sources_must_name_one_column() {
 }
 
 #[test]
+fn of_known_columns_of_one_name_a_map_chooses() {
+    let both = || vec![file("a.csv", "t,current_a\n0,1\n1,2\n"), file("b.csv", "t,current_a\n0,3\n1,4\n")];
+    let time = map("t", "time_s");
+    let said = refused(both(), &[time.clone()]);
+    assert!(said.contains("stands in b.csv") && said.contains("in a.csv"), "{said}");
+    let run = join(both(), &request(&[time, map("b.csv:current_a", "current_a")])).unwrap();
+    assert_eq!(run.channels, [("current_a".into(), vec![3.0, 4.0])]);
+}
+
+#[test]
 fn time_is_made_of_the_rate_only_where_one_is_stated() {
     let a = || vec![file("a.csv", "f,my_time\n1,0\n2,1\n")];
     let columns = [map("f", "force_1_n")];
