@@ -4,19 +4,21 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// What each crate of the project may depend on within the project.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("sealegs-model", &[]),
     ("sealegs-actuator", &["sealegs-model"]),
     // Parameters, geometry, scenarios and command profiles only: its integration is its own.
     ("sealegs-reference", &["sealegs-model", "sealegs-actuator", "sealegs-leg"]),
     ("sealegs-leg", &["sealegs-model", "sealegs-actuator"]),
-    ("sealegs-sysid", &["sealegs-model"]),
+    ("sealegs-logs", &["sealegs-model"]),
+    ("sealegs-sysid", &["sealegs-model", "sealegs-logs"]),
     ("sealegs-recorder", &["sealegs-model", "sealegs-sysid"]),
     ("sealegs-export", &["sealegs-model", "sealegs-actuator", "sealegs-leg"]),
     (
         "sealegs",
         &[
             "sealegs-model",
+            "sealegs-logs",
             "sealegs-actuator",
             "sealegs-reference",
             "sealegs-leg",
@@ -40,11 +42,12 @@ const ARROWS: [(&str, &[&str]); 9] = [
 ];
 
 /// Libraries that only one crate may know.
-const OWNED: [(&str, &str); 5] = [
+const OWNED: [(&str, &str); 6] = [
     ("rerun", "sealegs-recorder"),
     ("rapier3d-f64", "sealegs-leg"),
     ("parry3d-f64", "sealegs-leg"),
-    ("parquet", "sealegs-sysid"),
+    ("parquet", "sealegs-logs"),
+    ("mcap", "sealegs-logs"),
     ("anyhow", "sealegs-cli"),
 ];
 

@@ -1,12 +1,12 @@
 //! Exported models run in MuJoCo itself: what a model gains in our simulator it must gain there.
 
+use sealegs::campaign_model::CampaignModel;
+use sealegs::diagnosis::addition::add;
+use sealegs::mystery::trial::campaign_of;
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{BenchModel, OUTPUTS};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::ParameterSpec;
-use sealegs::campaign_model::CampaignModel;
-use sealegs::diagnosis::addition::add;
-use sealegs::mystery::trial::campaign_of;
 use sealegs_export::Format;
 use sealegs_leg::robot::Robot;
 use sealegs_leg::scenario::Scenario;
@@ -26,7 +26,8 @@ fn folder() -> &'static Path {
 }
 
 fn made(rig: Rig, seed: u64, hidden: Vec<Hidden>, duration_s: f64) -> Made {
-    Order { name: "made".to_owned(), rig, seed, hidden, duration_s, substeps: SUBSTEPS, rough: Vec::new() }.make()
+    Order { name: "made".to_owned(), rig, seed, hidden, duration_s, substeps: SUBSTEPS, rough: Vec::new() }
+        .make()
 }
 
 fn everything() -> Excitation {

@@ -3,10 +3,10 @@
 mod program;
 
 use program::{json, sealegs};
-use sealegs::{bench_model, sanity::gate};
 use sealegs::reference::campaign::{BEYOND, CATALOGUE, Hidden, Made, Order, Rig, Rough};
 use sealegs::sysid::Campaign;
 use sealegs::sysid::sanity::{Finding, Problem, Severity, look};
+use sealegs::{bench_model, sanity::gate};
 use std::path::Path;
 
 /// Steps of the integrator per row: 50 us, as where strengths are looked for.

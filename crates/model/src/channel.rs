@@ -26,6 +26,8 @@ pub enum Unit {
     Volt,
     /// `_c`, degree Celsius.
     Celsius,
+    /// `_w`, watt.
+    Watt,
 }
 
 /// The suffix of a channel is not one of the known units.
@@ -37,10 +39,10 @@ pub struct UnknownUnit {
 
 impl fmt::Display for UnknownUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let channel = &self.channel;
         write!(
             f,
-            "'{}' does not end in a known unit (_s, _a, _n, _nm, _rad, _m, _m_s, _rad_s, _v, _c)",
-            self.channel
+            "'{channel}' does not end in a known unit (_s, _a, _n, _nm, _rad, _m, _m_s, _rad_s, _v, _c, _w)"
         )
     }
 }
@@ -49,7 +51,7 @@ impl std::error::Error for UnknownUnit {}
 
 impl Unit {
     /// Longer suffixes first, so that `_rad_s` is not taken for `_s`.
-    const SUFFIXES: [(&'static str, Self); 10] = [
+    const SUFFIXES: [(&'static str, Self); 11] = [
         ("_rad_s", Self::RadianPerSecond),
         ("_m_s", Self::MetrePerSecond),
         ("_nm", Self::NewtonMetre),
@@ -60,6 +62,7 @@ impl Unit {
         ("_m", Self::Metre),
         ("_v", Self::Volt),
         ("_c", Self::Celsius),
+        ("_w", Self::Watt),
     ];
 
     /// The unit that a channel's name ends in.
@@ -89,6 +92,7 @@ impl Unit {
             Self::RadianPerSecond => "rad/s",
             Self::Volt => "V",
             Self::Celsius => "deg C",
+            Self::Watt => "W",
         }
     }
 }
@@ -104,6 +108,8 @@ mod tests {
         assert_eq!(Unit::of_channel("output_torque_nm"), Ok(Unit::NewtonMetre));
         assert_eq!(Unit::of_channel("force_1_n"), Ok(Unit::Newton));
         assert_eq!(Unit::of_channel("knee.angle_rad"), Ok(Unit::Radian));
+        assert_eq!(Unit::of_channel("supply_v"), Ok(Unit::Volt));
+        assert_eq!(Unit::of_channel("temperature_c"), Ok(Unit::Celsius));
         assert!(Unit::of_channel("force_lbf").is_err());
         assert!(Unit::of_channel("_n").is_err());
     }

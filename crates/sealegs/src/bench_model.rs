@@ -87,8 +87,7 @@ fn runs_of(campaign: &Campaign, spec: &ActuatorSpec) -> Result<Vec<RunSetup>> {
 
 /// The bench with a run's masses and lengths.
 fn bench_of(campaign: &Campaign, rig: &RigValues, spec: &ActuatorSpec) -> Result<Bench> {
-    let missing =
-        |key: &str, why: &str| Error::from(campaign.bad_key(key, format!("is missing: {why}")));
+    let missing = |key: &str, why: &str| Error::from(campaign.bad_key(key, format!("is missing: {why}")));
     Ok(match campaign.bench {
         campaign::Bench::Pendulum => {
             let usual = PendulumRig::default();

@@ -54,6 +54,7 @@ mod stoppable;
 
 pub use sealegs_actuator as actuator;
 pub use sealegs_leg as leg;
+pub use sealegs_logs as logs;
 pub use sealegs_model as model;
 pub use sealegs_recorder as recorder;
 pub use sealegs_reference as reference;

@@ -29,7 +29,8 @@ impl ModelSource {
     pub fn label(&self, campaign: &Campaign) -> String {
         match self {
             Self::Campaign => {
-                let stated = campaign.scenario.as_ref().or(campaign.robot.as_ref()).unwrap_or(&campaign.actuator);
+                let stated =
+                    campaign.scenario.as_ref().or(campaign.robot.as_ref()).unwrap_or(&campaign.actuator);
                 campaign.folder().join(stated).display().to_string()
             }
             Self::File(path) => path.display().to_string(),

@@ -36,9 +36,8 @@ pub fn of_source(
                 needed: "a robot's model file",
             });
         }
-        ModelSource::Campaign if is_model_file(&stated) => {
-            RobotFile::load(&campaign.folder().join(&stated)).map_err(|e| campaign.bad_model(e.to_string()))?
-        }
+        ModelSource::Campaign if is_model_file(&stated) => RobotFile::load(&campaign.folder().join(&stated))
+            .map_err(|e| campaign.bad_model(e.to_string()))?,
         ModelSource::Campaign if campaign.actuator.is_empty() => {
             let problem = format!("'{stated}' is a URDF: 'actuator' must name the drive of its joints");
             return Err(campaign.bad_model(problem).into());
@@ -54,8 +53,8 @@ pub fn of_source(
         ModelSource::Campaign => campaign.file.clone(),
         other => other.label(campaign).into(),
     };
-    let model = RobotModel::new(file, own)
-        .map_err(|e| Error::RobotFile { file: named, source: Box::new(e) })?;
+    let model =
+        RobotModel::new(file, own).map_err(|e| Error::RobotFile { file: named, source: Box::new(e) })?;
     for run in &campaign.runs {
         for input in &run.record.inputs {
             if let Some(reason) = model.refuses_input(&input.channel) {
@@ -107,7 +106,8 @@ impl CampaignModel for RobotModel {
         note_down(&mut file.provenance, notes_of(added, campaign, provenance));
         let text = file.to_toml_in(folder)?;
         // Whoever gets the file must be able to load it.
-        let again = RobotFile::parse(&text, "the model file to be written", folder).map_err(Error::model_file)?;
+        let again =
+            RobotFile::parse(&text, "the model file to be written", folder).map_err(Error::model_file)?;
         let again = RobotModel::new(again, &[]).map_err(Error::model_file)?;
         if again.included() != with_them.included() {
             return Err(Error::model_file("it would lose an effect"));

@@ -1,5 +1,6 @@
 //! What can go wrong between a campaign's files and a verdict, with the values inside.
 
+use sealegs_logs::{LogError, place};
 use sealegs_model::ModelError;
 use std::path::{Path, PathBuf};
 
@@ -45,6 +46,8 @@ pub enum Error {
     },
 }
 
+pub use sealegs_logs::Place;
+
 impl Error {
     /// Bad content at a place of a file.
     pub(crate) fn bad(
@@ -62,38 +65,9 @@ impl Error {
     }
 }
 
-/// Where in a file something is wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
-    /// In the file as a whole.
-    Whole,
-    /// In a line of a text, from 1; the header of a table is one.
-    Line(u64),
-    /// In a row of a table that has no lines (Parquet), from 1.
-    Row(u64),
-}
-
-impl From<u64> for Place {
-    fn from(line: u64) -> Self {
-        Self::Line(line)
+impl From<LogError> for Error {
+    fn from(error: LogError) -> Self {
+        let LogError { file, at, column, problem } = error;
+        Self::BadFile { file, at, column, problem }
     }
-}
-
-impl From<Option<u64>> for Place {
-    fn from(line: Option<u64>) -> Self {
-        line.map_or(Self::Whole, Self::Line)
-    }
-}
-
-fn place(file: &Path, at: Place, column: Option<&str>) -> String {
-    let mut place = file.display().to_string();
-    match at {
-        Place::Whole => {}
-        Place::Line(line) => place.push_str(&format!(", line {line}")),
-        Place::Row(row) => place.push_str(&format!(", row {row}")),
-    }
-    if let Some(column) = column {
-        place.push_str(&format!(", column '{column}'"));
-    }
-    place
 }

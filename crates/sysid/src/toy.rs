@@ -195,6 +195,7 @@ pub(crate) fn campaign(
                 unknown: Vec::new(),
                 clock: Clock::of(&record.time_s, Some(200.0)),
                 path: record.name.clone().into(),
+                unit: None,
                 record,
             })
             .collect(),

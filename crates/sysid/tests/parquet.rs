@@ -51,7 +51,7 @@ fn what_is_wrong_with_a_parquet_file_is_named_by_row_and_column() {
         ("nan", &["row 12", "'force_1_n'", "not finite"]),
         ("infinite", &["row 12", "'force_1_n'", "not finite"]),
         ("text", &["row 1,", "'force_1_n'", "String"]),
-        ("boolean", &["row 1,", "'force_1_n'", "BOOLEAN"]),
+        ("boolean", &["row 1,", "'force_1_n'", "true and false"]),
         ("timestamp", &["row 1,", "'time_s'", "Timestamp"]),
         ("list", &["'force_1_n'", "lists"]),
         ("repeated_time", &["row 12", "'time_s'", "repeats"]),

@@ -186,12 +186,15 @@ mod tests {
         let to = ReferenceMotion { position: truth.screw_position.clone(), speed: truth.screw_speed };
         let pull = Pull { to: Arc::new(to), scale: 1.0, stiffness: 1600.0, damping: 80.0 };
         let observer = Observer { rotor: Some(pull), output: None };
-        let observed = plant.observe(grid, Feed { commands: &known, ..Feed::default() }, &observer).expect("finite");
+        let observed =
+            plant.observe(grid, Feed { commands: &known, ..Feed::default() }, &observer).expect("finite");
         // In rest the observer's spring and the actuator's share the 5 N: 5 * 1600 / (1600 + 400).
         let last = observed.rotor_pull.last().copied().unwrap_or(0.0);
         assert!((last - 4.0).abs() < 0.05, "{last}");
         // Where nothing is missing nothing pulls.
-        let quiet = plant.observe(grid, Feed { commands: &true_commands, ..Feed::default() }, &observer).expect("finite");
+        let quiet = plant
+            .observe(grid, Feed { commands: &true_commands, ..Feed::default() }, &observer)
+            .expect("finite");
         let most = quiet.rotor_pull.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         assert!(most < 0.05, "{most}");
     }

@@ -9,6 +9,7 @@ mod design_report;
 mod diagnose;
 mod export;
 mod impact;
+mod import;
 mod list;
 mod mystery;
 mod reproduce;
@@ -29,6 +30,8 @@ pub enum Verb {
     Impact(impact::Impact),
     /// List the robots, actuators and scenarios that come with the program.
     List(list::List),
+    /// Look into log files of any kind and write a first campaign file for them.
+    Import(import::Import),
     /// Check a campaign: clocks, gaps, saturation, noise, excitation, and what it can identify.
     Check(check::CheckArguments),
     /// Show where the model fails on a campaign, and by how much.
@@ -62,6 +65,7 @@ pub fn run(verb: Verb) -> anyhow::Result<u8> {
         Verb::Run(arguments) => run::run(&arguments),
         Verb::Impact(arguments) => impact::run(&arguments),
         Verb::List(arguments) => list::run(&arguments),
+        Verb::Import(arguments) => import::run(&arguments),
         Verb::Check(arguments) => check::run(&arguments),
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Diagnose(arguments) => diagnose::run(&arguments),

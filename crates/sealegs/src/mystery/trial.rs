@@ -92,6 +92,7 @@ pub fn campaign_of(made: &Made) -> Result<(Campaign, BenchModel)> {
         unknown: Vec::new(),
         clock: Clock::of(&made.record.time_s, None),
         path: PathBuf::from(&made.record.name),
+        unit: None,
         record: made.record.clone(),
     };
     let mut campaign = Campaign {

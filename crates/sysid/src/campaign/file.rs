@@ -1,5 +1,6 @@
 //! `campaign.toml`: its keys, and what can be wrong with them.
 
+use super::columns::{self, FileEntry, MappedColumn, RawColumns, RawFile};
 use super::{Bench, Role};
 use crate::Error;
 use sealegs_model::InputHold;
@@ -29,7 +30,14 @@ pub(super) struct Description {
 
 /// One `[[run]]`.
 pub(super) struct RunEntry {
-    pub file: String,
+    /// Its files; the first one's clock leads.
+    pub files: Vec<FileEntry>,
+    /// Only the rows of this episode.
+    pub episode: Option<i64>,
+    /// What a file's columns become; `None` where nothing is said, and the file has the contract's own names.
+    pub columns: Option<Vec<MappedColumn>>,
+    /// The unit of the rig that it was recorded on.
+    pub unit: Option<String>,
     pub role: Role,
     /// For a leg: its own scenario.
     pub scenario: Option<String>,
@@ -37,8 +45,23 @@ pub(super) struct RunEntry {
     pub to_s: Option<f64>,
     /// Its own masses and lengths, or the campaign's.
     pub rig: super::RigValues,
-    /// The line of its `file` key.
+    /// The line of its `file` or `files` key.
     pub line: u64,
+}
+
+impl RunEntry {
+    /// What the run is called: its file, with the episode if it is one of several.
+    pub fn name(&self) -> String {
+        let files: Vec<&str> = self.files.iter().map(|f| f.file.as_str()).collect();
+        let files = files.join("+");
+        self.episode.map_or_else(|| files.clone(), |e| format!("{files}#{e}"))
+    }
+
+    /// Whether it may have rows of the other run.
+    fn shares_rows_with(&self, other: &Self) -> bool {
+        let shared = self.files.iter().any(|f| other.files.iter().any(|o| o.file == f.file));
+        shared && !matches!((self.episode, other.episode), (Some(a), Some(b)) if a != b)
+    }
 }
 
 #[derive(Deserialize)]
@@ -54,19 +77,25 @@ struct RawCampaign {
     #[serde(default)]
     noise_std: BTreeMap<String, Spanned<f64>>,
     #[serde(default)]
+    columns: Option<RawColumns>,
+    #[serde(default)]
     run: Vec<RawRun>,
 }
 
 #[derive(Deserialize)]
 struct RawRun {
-    file: Spanned<String>,
+    file: Option<Spanned<String>>,
+    files: Option<Spanned<Vec<RawFile>>>,
+    episode: Option<i64>,
+    unit: Option<Spanned<String>>,
+    columns: Option<RawColumns>,
     role: Spanned<String>,
     scenario: Option<Spanned<String>>,
     from_s: Option<Spanned<f64>>,
     to_s: Option<Spanned<f64>>,
 }
 
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 11] = [
     "name",
     "bench",
     "actuator",
@@ -76,9 +105,11 @@ const KEYS: [&str; 10] = [
     "sample_rate_hz",
     "input_hold",
     "noise_std",
+    "columns",
     "run",
 ];
-const RUN_KEYS: [&str; 5] = ["file", "role", "scenario", "from_s", "to_s"];
+const RUN_KEYS: [&str; 9] =
+    ["file", "files", "episode", "unit", "columns", "role", "scenario", "from_s", "to_s"];
 
 /// Reads and checks a campaign file; the tables it names are not touched.
 pub(super) fn read(path: &Path) -> Result<Description, Error> {
@@ -163,6 +194,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
     }
 
     let rigs = super::rig::of_runs(path, text, bench)?;
+    let shared = raw.columns.as_ref().map(|c| columns::mapped(path, c, &line)).transpose()?;
     if raw.run.is_empty() {
         return Err(Error::bad(path, None, Some("run"), "no [[run]]; a campaign needs at least one"));
     }
@@ -185,30 +217,41 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         if let Some(scenario) = run.scenario.as_ref().filter(|_| bench != Bench::Leg) {
             return Err(Error::bad(path, line(scenario.span()), Some("scenario"), "is for a leg"));
         }
+        let (files, at) = files_of(path, run, &line)?;
+        let own = run.columns.as_ref().map(|c| columns::mapped(path, c, &line)).transpose()?;
+        let columns = (own.is_some() || shared.is_some()).then(|| {
+            columns::with_own(shared.as_deref().unwrap_or_default(), own.as_deref().unwrap_or_default())
+        });
+        if let Some(unit) = run.unit.as_ref().filter(|u| u.get_ref().trim().is_empty()) {
+            return Err(Error::bad(path, line(unit.span()), Some("unit"), "is empty"));
+        }
         let entry = RunEntry {
-            file: run.file.get_ref().clone(),
+            files,
+            episode: run.episode,
+            columns,
+            unit: run.unit.as_ref().map(|u| u.get_ref().trim().to_owned()),
             role,
             scenario: run.scenario.as_ref().map(|s| s.get_ref().clone()),
             from_s: bound(&run.from_s, "from_s")?,
             to_s: bound(&run.to_s, "to_s")?,
             rig,
-            line: line(run.file.span()),
+            line: at,
         };
-        if runs.iter().any(|r| r.file == entry.file && r.scenario != entry.scenario) {
-            let problem = format!("'{}' stands here with two scenarios", entry.file);
+        if runs.iter().any(|r| r.shares_rows_with(&entry) && r.scenario != entry.scenario) {
+            let problem = format!("'{}' stands here with two scenarios", entry.name());
             return Err(Error::bad(path, entry.line, Some("scenario"), problem));
         }
-        if runs.iter().any(|r| r.file == entry.file && r.rig != entry.rig) {
-            let problem = format!("'{}' stands here on two rigs", entry.file);
+        if runs.iter().any(|r| r.shares_rows_with(&entry) && r.rig != entry.rig) {
+            let problem = format!("'{}' stands here on two rigs", entry.name());
             return Err(Error::bad(path, entry.line, Some("file"), problem));
         }
-        if let Some(before) = runs.iter().find(|r| r.file == entry.file && r.role != entry.role) {
+        if let Some(before) = runs.iter().find(|r| r.shares_rows_with(&entry) && r.role != entry.role) {
             let apart = entry.from_s.zip(before.to_s).is_some_and(|(a, b)| a >= b)
                 || before.from_s.zip(entry.to_s).is_some_and(|(a, b)| a >= b);
             if !apart {
                 let problem = format!(
                     "'{}' has two roles on the same rows: a held-out run judges, it is never fitted",
-                    entry.file
+                    entry.name()
                 );
                 return Err(Error::bad(path, entry.line, Some("file"), problem));
             }
@@ -238,6 +281,33 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         runs,
         notes: unknown_keys(path, text),
     })
+}
+
+/// The files of a run, and the line that names them.
+fn files_of(
+    path: &Path,
+    run: &RawRun,
+    line: &dyn Fn(std::ops::Range<usize>) -> u64,
+) -> Result<(Vec<FileEntry>, u64), Error> {
+    match (&run.file, &run.files) {
+        (Some(file), None) => Ok((vec![FileEntry::plain(file.get_ref())], line(file.span()))),
+        (None, Some(files)) => {
+            let at = line(files.span());
+            let files =
+                columns::files(files).map_err(|problem| Error::bad(path, at, Some("files"), problem))?;
+            Ok((files, at))
+        }
+        (Some(file), Some(_)) => {
+            let problem = "stands beside 'files'; a run has one of the two";
+            Err(Error::bad(path, line(file.span()), Some("file"), problem))
+        }
+        (None, None) => Err(Error::bad(
+            path,
+            line(run.role.span()),
+            Some("file"),
+            "is missing; a run has 'file' or 'files'",
+        )),
+    }
 }
 
 /// One note for each key that means nothing, with the one that was probably meant.

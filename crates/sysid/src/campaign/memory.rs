@@ -2,8 +2,8 @@
 
 use super::file::Description;
 use super::scored::{scored_rows, too_few_rows};
-use super::table::{Said, add_name, check_columns, check_length, later, sort};
-use super::{Bench, Campaign, Clock, LeftOut, RigValues, Role, Run, clock};
+use super::table::{Said, check_columns, check_length, sort};
+use super::{Bench, Campaign, Clock, LeftOut, RigValues, Role, Run, RunNotes, clock};
 use crate::{Error, Place};
 use sealegs_model::{InputHold, Record};
 use std::path::{Path, PathBuf};
@@ -194,18 +194,30 @@ impl CampaignBuilder {
             runs: Vec::new(),
             notes: Vec::new(),
         };
+        let runs = runs.into_iter().map(|run| (run, RunNotes::default())).collect();
         Ok(Campaign::assembled(description, file, runs))
     }
 
     /// One run, its columns sorted.
     fn checked(&self, run: &RunColumns) -> Result<Run, Error> {
         let path: PathBuf = Path::new(MEMORY).join(&run.name);
-        let said = Said { bench: self.bench, leg_inputs: &self.inputs };
-        let mut names = Vec::new();
+        let said = Said {
+            bench: self.bench,
+            leg_inputs: &self.inputs,
+            sample_rate_hz: self.sample_rate_hz,
+            hold: self.hold,
+        };
+        let mut names: Vec<&str> = Vec::new();
         for (name, _) in &run.columns {
-            add_name(&path, None, &mut names, name)?;
+            if name.is_empty() {
+                return Err(Error::bad(&path, None, None, format!("column {} has no name", names.len() + 1)));
+            }
+            if names.contains(&name.as_str()) {
+                return Err(Error::bad(&path, None, Some(name), "is there twice"));
+            }
+            names.push(name);
         }
-        check_columns(&path, None, &names, said)?;
+        check_columns(&path, Place::Whole, &names, said)?;
         let rows = run.columns.iter().find(|(n, _)| n == "time_s").map_or(0, |(_, v)| v.len());
         check_length(&path, rows)?;
         for (name, values) in &run.columns {
@@ -219,11 +231,15 @@ impl CampaignBuilder {
             }
             if name == "time_s" {
                 for (before, pair) in values.windows(2).enumerate() {
-                    later(&path, Place::Row(before as u64 + 2), pair[0], pair[1])?;
+                    if pair[1] <= pair[0] {
+                        let what = if pair[1] == pair[0] { "repeats" } else { "goes back" };
+                        let problem = format!("time {what}: {} after {}", pair[1], pair[0]);
+                        return Err(Error::bad(&path, Place::Row(before as u64 + 2), Some(name), problem));
+                    }
                 }
             }
         }
-        let table = sort(names, run.columns.iter().map(|(_, v)| v.clone()).collect(), said);
+        let table = sort(run.columns.iter().cloned(), said);
         let record = Record {
             name: run.name.clone(),
             time_s: table.time_s,
@@ -239,8 +255,19 @@ impl CampaignBuilder {
         let clock = Clock::of(&record.time_s, self.sample_rate_hz);
         let scenario = run.scenario.clone();
         let left_out = LeftOut::of(&record);
-        let rig = run.rig.clone();
-        Ok(Run { role: run.role, scenario, rig, record, scored, left_out, unknown: table.unknown, clock, path })
+        let rig = run.rig;
+        Ok(Run {
+            role: run.role,
+            scenario,
+            rig,
+            record,
+            scored,
+            left_out,
+            unknown: table.unknown,
+            clock,
+            path,
+            unit: None,
+        })
     }
 }
 

@@ -9,13 +9,11 @@
 //! (spectra, autocorrelation) resamples once with [`crate::resample`].
 
 mod clock;
-mod csv_table;
-mod fence;
+mod columns;
 mod file;
 mod left_out;
 mod memory;
 mod noise;
-mod parquet_table;
 mod rig;
 mod scored;
 mod table;
@@ -133,8 +131,18 @@ pub struct Run {
     pub unknown: Vec<Signal>,
     /// How regular the time stamps are.
     pub clock: Clock,
-    /// Where it was read from.
+    /// Where it was read from; of several files the first, whose clock leads.
     pub path: PathBuf,
+    /// The unit of the rig that it was recorded on (`left`), where the campaign says so.
+    pub unit: Option<String>,
+}
+
+/// What is said of a run's columns while they are read.
+#[derive(Debug, Default)]
+struct RunNotes {
+    own: Vec<String>,
+    /// Whether the campaign maps the columns: one note names all that are left then.
+    is_mapped: bool,
 }
 
 impl Run {
@@ -208,39 +216,42 @@ impl Campaign {
         let file = if path.is_dir() { path.join("campaign.toml") } else { path.to_owned() };
         let description = file::read(&file)?;
         let folder = file.parent().unwrap_or(Path::new("."));
-        let runs: Vec<Result<Run, Error>> = description
+        let runs: Vec<Result<(Run, RunNotes), Error>> = description
             .runs
             .par_iter()
             .map(|run| {
-                let path = folder.join(&run.file);
-                if !path.is_file() {
-                    return Err(Error::bad(
-                        &file,
-                        run.line,
-                        Some("file"),
-                        format!("no such file: {}", run.file),
-                    ));
+                if let Some(missing) = run.files.iter().find(|f| !folder.join(&f.file).exists()) {
+                    let problem = format!("no such file: {}", missing.file);
+                    return Err(Error::bad(&file, run.line, Some("file"), problem));
                 }
-                let said = table::Said { bench: description.bench, leg_inputs: &description.inputs };
-                let table = table::read(&path, said)?;
+                let path = folder.join(&run.files[0].file);
+                let said = table::Said {
+                    bench: description.bench,
+                    leg_inputs: &description.inputs,
+                    sample_rate_hz: description.sample_rate_hz,
+                    hold: description.hold,
+                };
+                let mut table = table::read(&file, folder, run, said)?;
+                let notes = std::mem::take(&mut table.notes);
                 let record = Record {
-                    name: run.file.clone(),
+                    name: run.name(),
                     time_s: table.time_s,
                     hold: description.hold,
                     inputs: table.inputs,
                     outputs: table.outputs,
                 };
                 let scored = scored_rows(&record.time_s, run.from_s, run.to_s).ok_or_else(|| {
-                    Error::bad(&file, run.line, Some("from_s, to_s"), too_few_rows(&run.file))
+                    Error::bad(&file, run.line, Some("from_s, to_s"), too_few_rows(&run.name()))
                 })?;
                 let time = &record.time_s;
                 if let Some(problem) = clock::too_long(time) {
                     return Err(Error::bad(&path, None, Some("time_s"), problem));
                 }
                 let clock = Clock::of(&record.time_s, description.sample_rate_hz);
-                let scenario = run.scenario.clone();
+                let (scenario, unit) = (run.scenario.clone(), run.unit.clone());
                 let left_out = LeftOut::of(&record);
-                Ok(Run {
+                let notes = RunNotes { own: notes, is_mapped: run.columns.is_some() };
+                let run = Run {
                     role: run.role,
                     scenario,
                     rig: run.rig,
@@ -250,10 +261,12 @@ impl Campaign {
                     unknown: table.unknown,
                     clock,
                     path,
-                })
+                    unit,
+                };
+                Ok((run, notes))
             })
             .collect();
-        let runs = runs.into_iter().collect::<Result<Vec<Run>, Error>>()?;
+        let runs = runs.into_iter().collect::<Result<Vec<_>, Error>>()?;
         Ok(Self::assembled(description, file, runs))
     }
 
@@ -279,15 +292,17 @@ impl Campaign {
     }
 
     /// What follows from all runs together: noise, repeats, remarks.
-    fn assembled(description: file::Description, file: PathBuf, runs: Vec<Run>) -> Self {
+    fn assembled(description: file::Description, file: PathBuf, runs: Vec<(Run, RunNotes)>) -> Self {
+        let (runs, of_runs): (Vec<Run>, Vec<RunNotes>) = runs.into_iter().unzip();
         let mut notes = description.notes;
-        for run in &runs {
-            for column in &run.unknown {
-                notes.push(format!(
-                    "{}: unknown column '{}' is kept, and compared with nothing",
-                    run.record.name, column.channel
-                ));
-            }
+        for (run, said) in runs.iter().zip(of_runs) {
+            notes.extend(said.own);
+            // Of mapped files one note names them all.
+            let unsaid = run.unknown.iter().filter(|_| !said.is_mapped);
+            notes.extend(unsaid.map(|column| {
+                let channel = &column.channel;
+                format!("{}: unknown column '{channel}' is kept, and compared with nothing", run.record.name)
+            }));
             notes.extend(run.clock.remarks().into_iter().map(|r| format!("{}: {r}", run.record.name)));
         }
         for (channel, _) in &description.noise_std {

@@ -302,6 +302,7 @@ mod tests {
             unknown: Vec::new(),
             clock: crate::campaign::Clock::of(&record.time_s, None),
             path: "r".into(),
+            unit: None,
             record,
         }
     }

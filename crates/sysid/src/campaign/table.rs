@@ -1,9 +1,12 @@
 //! One run's table, whatever it was stored as: what is asked of its columns, and the columns sorted by what they are.
 
-use super::file::did_you_mean;
-use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, OUTPUT_COLUMNS, SIDE_COLUMNS, csv_table, parquet_table};
+use super::file::{RunEntry, did_you_mean};
+use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, OUTPUT_COLUMNS, SIDE_COLUMNS};
 use crate::{Error, Place};
-use sealegs_model::{Signal, Unit};
+use sealegs_logs::columns::ColumnMap;
+use sealegs_logs::join::{self, JoinError, Request};
+use sealegs_logs::{Format, Log};
+use sealegs_model::{InputHold, Signal, Unit};
 use std::path::Path;
 
 /// A run's columns, sorted by what they are.
@@ -13,6 +16,8 @@ pub(super) struct Table {
     pub inputs: Vec<Signal>,
     pub outputs: Vec<Signal>,
     pub unknown: Vec<Signal>,
+    /// What a person should know of the columns, where the campaign maps them.
+    pub notes: Vec<String>,
 }
 
 /// What a campaign says of the columns of its runs.
@@ -21,72 +26,157 @@ pub(super) struct Said<'a> {
     pub bench: Bench,
     /// A leg's columns that are commands; every run must have them all.
     pub leg_inputs: &'a [String],
+    pub sample_rate_hz: Option<f64>,
+    pub hold: InputHold,
 }
 
-/// Reads a run's file: Parquet if its name ends in `.parquet`, else CSV.
-pub(super) fn read(path: &Path, said: Said) -> Result<Table, Error> {
-    let bytes =
-        std::fs::read(path).map_err(|e| Error::bad(path, None, None, format!("cannot be read: {e}")))?;
-    if is_parquet(path) {
-        parquet_table::parse(path, bytes.into(), said)
-    } else {
-        csv_table::parse(path, &bytes, said)
+impl Said<'_> {
+    fn is_input(&self, channel: &str) -> bool {
+        let bench = !self.bench.has_joints() && (INPUT_COLUMNS.contains(&channel) || is_beside(channel));
+        let joint = self.bench == Bench::Robot && is_joint_command(channel);
+        bench || joint || self.leg_inputs.iter().any(|i| i == channel)
+    }
+
+    fn is_output(&self, channel: &str) -> bool {
+        // The stamp of a message's header is no measurement.
+        let measured = Unit::of_channel(channel).is_ok_and(|unit| unit != Unit::Second);
+        let of_a_leg = self.bench.has_joints() && channel.contains('.') && measured;
+        !self.is_input(channel) && (of_a_leg || OUTPUT_COLUMNS.contains(&channel))
     }
 }
 
-/// Whether a run's file is Parquet, by the ending of its name.
-fn is_parquet(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
+/// Reads a run's files, which lie in this folder; `campaign` is the file that errors of its lines name.
+pub(super) fn read(campaign: &Path, folder: &Path, run: &RunEntry, said: Said) -> Result<Table, Error> {
+    let mut files = Vec::new();
+    for entry in &run.files {
+        let path = folder.join(&entry.file);
+        let log = sealegs_logs::read(&path)?;
+        files.push(join::File { path, label: entry.file.clone(), offset_s: entry.offset_s, log });
+    }
+    match (&run.columns, &mut files[..]) {
+        (None, [file]) if run.episode.is_none() => plain(&file.path, std::mem::take(&mut file.log), said),
+        (columns, _) => mapped(campaign, run, columns.as_deref().unwrap_or_default(), files, said),
+    }
+}
+
+/// The table of a file that has the contract's own names.
+pub(super) fn plain(path: &Path, mut log: Log, said: Said) -> Result<Table, Error> {
+    if log.tables.len() > 1 {
+        let names: Vec<&str> = log.tables.iter().map(|t| t.name.as_str()).collect();
+        let problem =
+            format!("has {} tables ({}); map their columns in [columns]", names.len(), names.join(", "));
+        return Err(Error::bad(path, None, None, problem));
+    }
+    let Some(table) = log.tables.pop() else {
+        return Err(Error::bad(path, None, None, format!("has no rows of numbers{}", of_notes(&log))));
+    };
+    let header = header_of(path);
+    if table.headerless {
+        return Err(Error::bad(path, header, None, "no header: the first row must hold the columns' names"));
+    }
+    let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
+    for column in &table.columns {
+        if let Some(number) = column.name.strip_prefix('#') {
+            return Err(Error::bad(path, header, None, format!("column {number} has no name")));
+        }
+        let list = column.name.split_once('[').filter(|_| Unit::of_channel(&column.name).is_err());
+        if let Some((list, _)) = list {
+            let problem = "holds lists; a column must hold one number per row, or be mapped in [columns]";
+            return Err(Error::bad(path, Place::Row(1), Some(list), problem));
+        }
+    }
+    check_columns(path, header, &names, said)?;
+    for column in &table.columns {
+        // A fault in the first row is named below, with what the cell holds.
+        if let Some(holds) = column.holds.as_ref().filter(|_| column.fault.is_none()) {
+            let problem = format!(
+                "holds {holds}; a column must hold floating-point or integer numbers, or be mapped in [columns]"
+            );
+            return Err(Error::bad(path, table.places.of(0), Some(&column.name), problem));
+        }
+    }
+    // The fault of the first row, and in it of the first column; time that does not go on is one.
+    let cells = table.columns.iter().filter_map(|c| Some((c.fault.as_ref()?.row, c)));
+    let fault = cells.min_by_key(|(row, _)| *row);
+    let time = table.column("time_s").map(|c| c.values.as_slice()).unwrap_or_default();
+    let stands = time.windows(2).position(|w| w[1] <= w[0]).map(|i| i + 1);
+    match (fault, stands) {
+        (Some((row, column)), stands) if stands.is_none_or(|s| row <= s) => {
+            let problem = column.fault.as_ref().map(|f| f.problem.clone()).unwrap_or_default();
+            return Err(Error::bad(path, table.places.of(row), Some(&column.name), problem));
+        }
+        (_, Some(row)) => {
+            let what = if time[row] == time[row - 1] { "repeats" } else { "goes back" };
+            let problem = format!("time {what}: {} after {}", time[row], time[row - 1]);
+            return Err(Error::bad(path, table.places.of(row), Some("time_s"), problem));
+        }
+        _ => {}
+    }
+    check_length(path, table.rows())?;
+    Ok(sort(table.columns.into_iter().map(|c| (c.name.clone(), c.into_absolute())), said))
+}
+
+/// The table of files whose columns are mapped, or of several files.
+fn mapped(
+    campaign: &Path,
+    run: &RunEntry,
+    columns: &[super::columns::MappedColumn],
+    files: Vec<join::File>,
+    said: Said,
+) -> Result<Table, Error> {
+    let maps: Vec<ColumnMap> = columns.iter().map(|c| c.map.clone()).collect();
+    let first = files[0].path.clone();
+    let request = Request {
+        columns: &maps,
+        sample_rate_hz: said.sample_rate_hz,
+        episode: run.episode,
+        known: &|name| said.is_input(name) || said.is_output(name),
+        held: &|name| said.hold == InputHold::ZeroOrder && said.is_input(name),
+    };
+    let name = run.name();
+    let joined = join::join(files, &request).map_err(|error| match error {
+        JoinError::File(error) => error.into(),
+        JoinError::Map(index, problem) => {
+            let key = format!("columns.{}", maps[index].source);
+            Error::bad(campaign, columns[index].line, Some(&key), problem)
+        }
+        JoinError::Run(problem) => Error::bad(campaign, run.line, Some("file"), format!("{name}: {problem}")),
+    })?;
+    let channels: Vec<&str> =
+        joined.channels.iter().map(|(n, _)| n.as_str()).chain(std::iter::once("time_s")).collect();
+    check_columns(&first, header_of(&first), &channels, said)?;
+    check_length(&first, joined.time_s.len())?;
+    // What is not known keeps the file's own name, whatever it means.
+    let mut table = sort(joined.channels.into_iter(), said);
+    table.time_s = joined.time_s;
+    table.unknown.extend(joined.others.into_iter().map(|(channel, values)| Signal { channel, values }));
+    table.notes = joined.notes;
+    Ok(table)
+}
+
+/// What a log's notes say, behind a message.
+fn of_notes(log: &Log) -> String {
+    log.notes.first().map_or_else(String::new, |note| format!(": {note}"))
 }
 
 /// Where a run's file says what its columns are called.
 pub(super) fn header_of(path: &Path) -> Place {
-    if is_parquet(path) || super::memory::is_in_memory(path) { Place::Whole } else { Place::Line(1) }
+    if Format::has_lines(path) && !super::memory::is_in_memory(path) { Place::Line(1) } else { Place::Whole }
 }
-
-/// Takes one more column name.
-pub(super) fn add_name(
-    path: &Path,
-    at: impl Into<Place>,
-    names: &mut Vec<String>,
-    name: &str,
-) -> Result<(), Error> {
-    if name.is_empty() {
-        return Err(Error::bad(path, at, None, format!("column {} has no name", names.len() + 1)));
-    }
-    if names.len() == MOST_COLUMNS {
-        return Err(Error::bad(path, at, None, format!("has more than {MOST_COLUMNS} columns")));
-    }
-    if names.iter().any(|n| n == name) {
-        return Err(Error::bad(path, at, Some(name), "stands in the header twice"));
-    }
-    names.push(name.to_owned());
-    Ok(())
-}
-
-/// Most columns that a table may have: no bench has so many, and a file that is no table at all may seem to.
-const MOST_COLUMNS: usize = 10_000;
 
 /// Time, exactly one input, known units.
-pub(super) fn check_columns(
-    path: &Path,
-    at: impl Into<Place>,
-    names: &[String],
-    said: Said,
-) -> Result<(), Error> {
-    let (at, bench) = (at.into(), said.bench);
-    if let Some(missing) = said.leg_inputs.iter().find(|i| !names.contains(i)) {
+pub(super) fn check_columns(path: &Path, at: Place, words: &[&str], said: Said) -> Result<(), Error> {
+    if let Some(missing) = said.leg_inputs.iter().find(|i| !words.contains(&i.as_str())) {
         return Err(Error::bad(path, at, Some(missing), "is missing; the campaign's 'inputs' names it"));
     }
-    let words: Vec<&str> = names.iter().map(String::as_str).collect();
-    for name in &words {
+    for name in words {
         // A name without an underscore carries no unit at all (`index`): kept, as unknown. So is the index
         // that pandas writes beside the columns of a table of which rows were left out.
         if name.contains('_')
             && !name.starts_with("__index_level_")
             && let Err(error) = Unit::of_channel(name)
         {
-            return Err(Error::bad(path, at, Some(name), format!("{error}")));
+            return Err(Error::bad(path, at, Some(name), format!("{error}; or map it in [columns]")));
         }
     }
     if !words.contains(&"time_s") {
@@ -94,11 +184,11 @@ pub(super) fn check_columns(
             words.iter().find(|w| w.contains("time")).map_or_else(String::new, |w| format!(" (found '{w}')"));
         return Err(Error::bad(path, at, Some("time_s"), format!("is missing{hint}")));
     }
-    if bench == Bench::Robot && !words.iter().any(|w| is_joint_command(w)) {
+    if said.bench == Bench::Robot && !words.iter().any(|w| is_joint_command(w)) {
         let problem = "no input column; a robot's joints are commanded by '<joint>.torque_nm'";
         return Err(Error::bad(path, at, None, problem));
     }
-    if bench.has_joints() {
+    if said.bench.has_joints() {
         return Ok(());
     }
     let inputs: Vec<&str> = words.iter().copied().filter(|w| INPUT_COLUMNS.contains(w)).collect();
@@ -127,13 +217,9 @@ fn is_joint_command(name: &str) -> bool {
     name.ends_with(".torque_nm") || name.ends_with(".force_n")
 }
 
-/// Time must go on.
-pub(super) fn later(path: &Path, at: impl Into<Place>, before: f64, now: f64) -> Result<(), Error> {
-    if now > before {
-        return Ok(());
-    }
-    let what = if now == before { "repeats" } else { "goes back" };
-    Err(Error::bad(path, at, Some("time_s"), format!("time {what}: {now} after {before}")))
+/// Whether a drive reads the column beside its command.
+fn is_beside(name: &str) -> bool {
+    SIDE_COLUMNS.contains(&name)
 }
 
 /// There must be enough rows.
@@ -144,30 +230,27 @@ pub(super) fn check_length(path: &Path, rows: usize) -> Result<(), Error> {
     Err(Error::bad(path, None, None, format!("has {rows} rows; at least {FEWEST_ROWS} are needed")))
 }
 
-/// The columns by what they are.
-pub(super) fn sort(names: Vec<String>, columns: Vec<Vec<f64>>, said: Said) -> Table {
-    let mut table =
-        Table { time_s: Vec::new(), inputs: Vec::new(), outputs: Vec::new(), unknown: Vec::new() };
-    let mut beside = Vec::new();
-    for (channel, values) in names.into_iter().zip(columns) {
-        let commands_joint = said.bench == Bench::Robot && is_joint_command(&channel);
-        let leg_output = said.bench.has_joints() && channel.contains('.');
+/// The columns by what they are; what a drive reads beside its command comes behind it.
+pub(super) fn sort(columns: impl Iterator<Item = (String, Vec<f64>)>, said: Said) -> Table {
+    let mut table = Table {
+        time_s: Vec::new(),
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        unknown: Vec::new(),
+        notes: Vec::new(),
+    };
+    for (channel, values) in columns {
+        let of_leg = said.bench.has_joints() && channel.contains('.');
         if channel == "time_s" {
             table.time_s = values;
-        } else if commands_joint
-            || said.leg_inputs.contains(&channel)
-            || (!said.bench.has_joints() && INPUT_COLUMNS.contains(&channel.as_str()))
-        {
+        } else if said.is_input(&channel) {
             table.inputs.push(Signal { channel, values });
-        } else if !said.bench.has_joints() && SIDE_COLUMNS.contains(&channel.as_str()) {
-            beside.push(Signal { channel, values });
-        } else if leg_output || OUTPUT_COLUMNS.contains(&channel.as_str()) {
+        } else if of_leg || said.is_output(&channel) {
             table.outputs.push(Signal { channel, values });
         } else {
             table.unknown.push(Signal { channel, values });
         }
     }
-    // After the command, which is the first of the inputs.
-    table.inputs.append(&mut beside);
+    table.inputs.sort_by_key(|s| is_beside(&s.channel));
     table
 }

@@ -199,7 +199,8 @@ fn headers_are_checked() {
     assert!(refused(&table.replace("time_s", "clock_s")).contains("'time_s'"));
     assert!(refused(&table.replace("force_1_n", "current_a")).contains("twice"));
     assert!(refused(&table.replace("force_1_n", "")).contains("no name"));
-    assert!(refused(&table.replace(',', ";")).contains("comma"));
+    // Separated by semicolons it is the same table.
+    assert!(read(&description("", RUN), Some(table.replace(',', ";").as_bytes())).is_ok());
 }
 
 #[test]
@@ -225,14 +226,25 @@ fn a_million_rows_take_about_a_second() {
         let _ = writeln!(csv, "{:.4},{:.5},{:.2},{:.2}", f64::from(i) * 1e-3, 0.123, f64::from(i % 100), 5.5);
     }
     let started = std::time::Instant::now();
-    let table = csv_table::parse(Path::new("big.csv"), csv.as_bytes(), said(Bench::Locked)).unwrap();
+    let table = parse("big.csv", csv.into_bytes(), said(Bench::Locked)).unwrap();
     assert_eq!(table.time_s.len(), 1_000_000);
     // A generous bound, as other tests share the machine; it takes about 0.3 s alone.
     assert!(started.elapsed().as_secs_f64() < 3.0, "{:?}", started.elapsed());
 }
 
 fn said(bench: Bench) -> table::Said<'static> {
-    table::Said { bench, leg_inputs: &[] }
+    table::Said {
+        bench,
+        leg_inputs: &[],
+        sample_rate_hz: Some(1000.0),
+        hold: sealegs_model::InputHold::ZeroOrder,
+    }
+}
+
+/// A table that has the contract's own names.
+fn parse(name: &str, bytes: Vec<u8>, said: table::Said) -> Result<table::Table, Error> {
+    let path = Path::new(name);
+    table::plain(path, sealegs_logs::parse(path, bytes)?, said)
 }
 
 proptest! {
@@ -240,7 +252,7 @@ proptest! {
 
     #[test]
     fn no_table_makes_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        let _ = csv_table::parse(Path::new("x.csv"), &bytes, said(Bench::Locked));
+        let _ = parse("x.csv", bytes, said(Bench::Locked));
     }
 
     #[test]
@@ -248,7 +260,7 @@ proptest! {
         cells in prop::collection::vec("[0-9.,e\\-\n\"NaNif; ]{0,12}", 0..60)
     ) {
         let text = HEADER.to_owned() + &cells.concat();
-        if let Err(e) = csv_table::parse(Path::new("x.csv"), text.as_bytes(), said(Bench::Pendulum)) {
+        if let Err(e) = parse("x.csv", text.into_bytes(), said(Bench::Pendulum)) {
             prop_assert!(!e.to_string().is_empty());
         }
     }
@@ -260,4 +272,90 @@ proptest! {
     )) {
         let _ = file::parse(Path::new("campaign.toml"), &lines.join("\n"));
     }
+}
+
+/// Everything that somebody else's file may ask for, in one campaign.
+const MAPPED: &str = "name = \"t\"\nbench = \"locked\"\nactuator = \"a\"\nsample_rate_hz = 100.0\n[columns]\n\
+    \"stamp\" = { as = \"time_s\", unit = \"ms\" }\n\"i\" = { as = \"current_a\", unit = \"mA\", sign = -1 }\n\
+    \"f\" = \"force_1_n\"\n\"temp\" = { as = \"temperature_c\", optional = true }\n";
+
+fn other_rows(n: u32) -> String {
+    let row = |i: u32| format!("{},{},{},label\n", 5000 + 10 * i, 100 * (i % 7), i % 5);
+    "stamp,i,f,what\n".to_owned() + &(0..n).map(row).collect::<String>()
+}
+
+#[test]
+fn columns_are_mapped_and_runs_have_units() {
+    let run = "[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\nunit = \"left\"\n";
+    let campaign = read(&format!("{MAPPED}{run}"), Some(other_rows(20).as_bytes())).unwrap();
+    let run = &campaign.runs[0];
+    assert_eq!(run.unit.as_deref(), Some("left"));
+    assert_eq!(run.record.time_s[0], 0.0);
+    assert!((run.record.time_s[2] - 0.02).abs() < 1e-12);
+    assert!((run.record.input("current_a").unwrap()[3] + 0.3).abs() < 1e-12);
+    assert!(campaign.notes.iter().any(|n| n.contains("'what' is left out")), "{:?}", campaign.notes);
+}
+
+#[test]
+fn a_run_may_map_otherwise_and_have_several_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = "[[run]]\nfiles = [\"r.csv\", { file = \"s.csv\", offset_s = 5.0 }]\nrole = \"fit\"\n[run.columns]\n\
+        \"u\" = \"current_a\"\n\"clock\" = \"time_s\"\n\"stamp\" = { as = \"time_s\", unit = \"ms\" }\n";
+    std::fs::write(folder.path().join("campaign.toml"), format!("{MAPPED}{run}")).unwrap();
+    std::fs::write(folder.path().join("r.csv"), other_rows(30)).unwrap();
+    let second: String = (0..10).map(|i| format!("{:.2},{}\n", 0.04 * f64::from(i), i)).collect();
+    std::fs::write(folder.path().join("s.csv"), format!("clock,u\n{second}")).unwrap();
+    let campaign = Campaign::read(folder.path()).unwrap_or_else(|e| panic!("{e}"));
+    let run = &campaign.runs[0];
+    assert_eq!(run.record.name, "r.csv+s.csv");
+    // A command is held: row 5 is at 0.05 s, and the command of 0.04 s holds.
+    assert_eq!(run.record.input("current_a").unwrap()[5], 1.0);
+    assert!(
+        campaign.notes.iter().any(|n| n.contains("brought to the clock of r.csv")),
+        "{:?}",
+        campaign.notes
+    );
+}
+
+#[test]
+fn what_is_wrong_with_maps_is_named_by_line_and_column() {
+    let run = "[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\n";
+    let told = |toml: &str, csv: &str| read(toml, Some(csv.as_bytes())).unwrap_err().to_string();
+    let good = format!("{MAPPED}{run}");
+    let csv = other_rows(20);
+    let message = told(&good.replace("\"f\" =", "\"g\" ="), &csv);
+    assert!(
+        message.contains("campaign.toml, line 8") && message.contains("no column 'g' in r.csv"),
+        "{message}"
+    );
+    let message = told(&good.replace("\"mA\"", "\"deg\""), &csv);
+    assert!(message.contains("line 7") && message.contains("'columns.i'"), "{message}");
+    assert!(told(&good.replace("sign = -1", "sing = -1"), &csv).contains("sing"));
+    let message = told(&good, &csv.replace("5030,", "5020,"));
+    assert!(message.contains("r.csv, line 5") && message.contains("'stamp'"), "{message}");
+    let message = told(&good, &csv.replace("5030,300,", "5030,,"));
+    assert!(
+        message.contains("r.csv, line 5") && message.contains("'i'") && message.contains("empty"),
+        "{message}"
+    );
+    assert!(told(&good.replace("file =", "files = []\nfile ="), &csv).contains("'files'"));
+    assert!(told(&good.replace("role =", "episode = 3\nrole ="), &csv).contains("episode_index"));
+}
+
+#[test]
+fn episodes_of_one_file_are_runs_of_their_own() {
+    let toml = |second: u32| {
+        format!(
+            "{MAPPED}[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\nepisode = 0\n\
+             [[run]]\nfile = \"r.csv\"\nrole = \"holdout\"\nepisode = {second}\n"
+        )
+    };
+    let rows: String =
+        (0..40).map(|i| format!("{},{},{},{}\n", i / 20, 10 * (i % 20), 100 * (i % 7), i)).collect();
+    let csv = format!("episode_index,stamp,i,f\n{rows}");
+    let campaign = read(&toml(1), Some(csv.as_bytes())).unwrap();
+    assert_eq!(campaign.runs[1].record.name, "r.csv#1");
+    assert_eq!(campaign.runs[1].record.output("force_1_n").unwrap()[0], 20.0);
+    assert_eq!(campaign.runs[1].record.time_s[0], 0.0);
+    assert!(read(&toml(0), Some(csv.as_bytes())).unwrap_err().to_string().contains("two roles"));
 }

@@ -141,9 +141,8 @@ impl<'a> Models<'a> {
         let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
         let mut starts = vec![values_by_name(model.as_ref(), known)];
         starts.extend(observed.map(|f| f.values.clone()));
-        let cost = |values: &Vec<f64>| {
-            self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost)
-        };
+        let cost =
+            |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);
         let costs: Vec<f64> = starts.iter().map(cost).collect();
         let best = (0..starts.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a })?;
         let start = starts.swap_remove(best);
@@ -166,7 +165,9 @@ impl<'a> Models<'a> {
         if self.dear {
             return candidate;
         }
-        count::tuned(self.data, candidate, |near, known| self.fitted_near(near, &near.effects, &known.to_vec()))
+        count::tuned(self.data, candidate, |near, known| {
+            self.fitted_near(near, &near.effects, &known.to_vec())
+        })
     }
 
     /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors.
@@ -215,7 +216,8 @@ impl Models<'_> {
         let known = near.known();
         let beside = self.observing(near, &with_nominal_base(self.exact, &known));
         let looks = [beside.as_ref(), Some(near)].into_iter().flatten();
-        let starts = looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
+        let starts =
+            looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
         let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
         let fitted = starts.into_iter().filter_map(|start| {
             let known: Known = known.iter().cloned().chain(start).collect();
@@ -230,7 +232,8 @@ impl Models<'_> {
     #[must_use]
     pub fn with_effects(&self, base: &Candidate, effects: &[String]) -> Option<Candidate> {
         let backwards: Vec<String> = effects.iter().rev().cloned().collect();
-        let orders = if effects.len() > 1 { vec![effects.to_vec(), backwards] } else { vec![effects.to_vec()] };
+        let orders =
+            if effects.len() > 1 { vec![effects.to_vec(), backwards] } else { vec![effects.to_vec()] };
         let grown = orders.into_iter().filter_map(|order| {
             order.iter().try_fold(base.clone(), |grown, effect| self.with_one_more(&grown, effect))
         });

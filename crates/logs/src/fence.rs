@@ -1,4 +1,4 @@
-//! A fence around a decoder that panics on some damaged files, as the Parquet library does.
+//! A fence around a decoder that panics on some damaged files, as the libraries of binary formats do.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
@@ -15,7 +15,7 @@ static HOOK: Once = Once::new();
 /// What `decode` returns, or `None` if it panics; nothing is printed then.
 ///
 /// Only for code that owns all that it changes: whatever it leaves half done is dropped.
-pub(super) fn fenced<T>(decode: impl FnOnce() -> T) -> Option<T> {
+pub(crate) fn fenced<T>(decode: impl FnOnce() -> T) -> Option<T> {
     HOOK.call_once(|| {
         let before = take_hook();
         set_hook(Box::new(move |panic| {

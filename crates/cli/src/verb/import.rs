@@ -1,0 +1,246 @@
+//! `sealegs import`: what is in other people's log files, and a first campaign file for them.
+
+use crate::failure::{OrBadInput, bad_input};
+use crate::output::{Destination, NewFolder};
+use clap::Args;
+use sealegs::diagnosis::text::figures;
+use sealegs::logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey};
+use sealegs::logs::{Log, Place};
+use sealegs::sysid::campaign::INPUT_COLUMNS;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Look into log files of any kind and write a first campaign file
+#[derive(Args)]
+pub struct Import {
+    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP) or folders of ROS 2 bags; each becomes a run
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Write campaign.toml into this folder, which is made if it is not there
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+///
+/// Bad input for a file that cannot be read, or a folder that has a campaign file already.
+pub fn run(arguments: &Import) -> anyhow::Result<u8> {
+    let mut logs: Vec<(&Path, Log, Survey)> = Vec::new();
+    for file in &arguments.files {
+        let log = sealegs::logs::read(file).or_bad_input()?;
+        let found = survey(&log);
+        logs.push((file, log, found));
+    }
+    let mut out = String::new();
+    for (file, log, found) in &logs {
+        describe(&mut out, file, log, found);
+    }
+    let surveys: Vec<(&Path, &Survey)> = logs.iter().map(|(file, _, found)| (*file, found)).collect();
+    match &arguments.output {
+        None => out.push_str("\nWith -o FOLDER a first campaign.toml is written for it.\n"),
+        Some(folder) => {
+            let text = campaign(folder, &surveys)?;
+            let file = folder.join("campaign.toml");
+            if file.exists() {
+                return Err(bad_input(format!("{}: is there already", file.display())));
+            }
+            if folder.is_dir() {
+                Destination::new(&file)?.write(text.as_bytes())?;
+            } else {
+                NewFolder::new(folder)?.write([("campaign.toml", text.as_str())])?;
+            }
+            let _ = writeln!(out, "\n{} is written; complete what it marks with TODO.", file.display());
+        }
+    }
+    write!(std::io::stdout().lock(), "{out}")?;
+    Ok(0)
+}
+
+/// What is in a file, for people.
+fn describe(out: &mut String, file: &Path, log: &Log, found: &Survey) {
+    let _ = writeln!(out, "{}: {}", file.display(), log.format);
+    if !log.constants.is_empty() {
+        let constants: Vec<String> = log
+            .constants
+            .iter()
+            .take(24)
+            .map(|(name, value)| format!("{name} = {}", short(*value, 6)))
+            .collect();
+        let more = log.constants.len().saturating_sub(24);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let _ = writeln!(out, "  single numbers: {}{more}", constants.join(", "));
+    }
+    for table in &found.tables {
+        let name = if table.name.is_empty() { String::new() } else { format!("{}: ", table.name) };
+        let _ = writeln!(out, "\n  {name}{} rows{}", table.rows, clock(table));
+        let widest = table.columns.iter().map(|c| c.name.chars().count()).max().unwrap_or(0).clamp(6, 48);
+        for column in &table.columns {
+            let _ = writeln!(out, "    {:<widest$}  {}", column.name, content(column));
+        }
+    }
+    if log.tables.is_empty() {
+        let _ = writeln!(out, "  no rows of numbers");
+    }
+    for note in &log.notes {
+        let _ = writeln!(out, "  {note}");
+    }
+}
+
+/// `, 24.84 s at 1000 Hz by 't'`.
+fn clock(table: &TableSurvey) -> String {
+    let Some(clock) = &table.clock else {
+        return "; no column looks like time: state sample_rate_hz".to_owned();
+    };
+    let ClockSurvey { duration_s, rate_hz, jitter, gaps, longest_s, .. } = clock;
+    let mut said = format!(
+        ", {} s at {} Hz by '{}' in {}",
+        short(*duration_s, 4),
+        short(*rate_hz, 5),
+        table.columns[clock.column].name,
+        clock.unit
+    );
+    // A hundredth of a period is what the digits of a file may make.
+    if *jitter > 0.01 {
+        let _ = write!(said, "; steps vary by {:.0} %", 100.0 * jitter);
+    }
+    if *gaps > 0 {
+        let _ = write!(said, "; {gaps} gap(s), the longest {} s", short(*longest_s, 3));
+    }
+    if let Some(at) = clock.stands {
+        let _ = write!(said, "; time does not go on in {}", place(at));
+    }
+    said
+}
+
+fn place(at: Place) -> String {
+    match at {
+        Place::Whole => "the file".to_owned(),
+        Place::Line(line) => format!("line {line}"),
+        Place::Row(row) => format!("row {row}"),
+    }
+}
+
+/// Range, faults and likely role of a column.
+fn content(column: &ColumnSurvey) -> String {
+    let mut said = match column.range {
+        None => "no numbers".to_owned(),
+        Some((low, _)) if column.constant => format!("always {}", short(low, 6)),
+        Some((low, high)) => format!("{} to {}", short(low, 5), short(high, 5)),
+    };
+    if let Some(holds) = &column.holds {
+        let _ = write!(said, "; {holds}");
+    }
+    if let Some((at, problem)) = &column.fault {
+        let _ = write!(said, "; {} cells without number, first in {}: {problem}", column.empty, place(*at));
+    }
+    // A sensor that is read twice as often as it measures stays for every second row.
+    if !column.constant && column.unchanged > 0.4 {
+        let _ = write!(said, "; stays as it was in {:.0} % of rows", 100.0 * column.unchanged);
+    }
+    if let Some(role) = &column.role {
+        let settings = role.settings.as_ref().map_or_else(String::new, |s| format!(", {s}"));
+        let _ = write!(said, "  -> {}{settings} ({})", role.target, role.reason);
+    }
+    said
+}
+
+/// A first campaign file for these logs, which lie relative to `folder`.
+fn campaign(folder: &Path, logs: &[(&Path, &Survey)]) -> anyhow::Result<String> {
+    let name = folder.file_name().map_or_else(|| "campaign".into(), |n| n.to_string_lossy());
+    let mut out = format!(
+        "# Made by `sealegs import`: complete what is marked with TODO, then `sealegs check` it.\n\
+         name = {}\n\
+         bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
+         actuator = \"thor-linear\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n",
+        quoted(&name)
+    );
+    if logs.iter().all(|(_, s)| s.tables.first().is_none_or(|t| t.clock.is_none())) {
+        out.push_str("# sample_rate_hz = 1000.0    # TODO: no column looks like time\n");
+    }
+    out.push_str(
+        "\n# What the columns become: \"own name\" = \"channel\", or\n\
+         # { as = \"channel\", scale = 1.0, offset = 0.0, sign = 1, unit = \"deg\", wrap = true }.\n\
+         # The end of a channel's name is its SI unit. TODO: check every guess.\n[columns]\n",
+    );
+    // Files of one kind have the same columns: each is stated once.
+    let mut lines: BTreeMap<(usize, &str), &ColumnSurvey> = BTreeMap::new();
+    let mut order: Vec<&str> = Vec::new();
+    for column in logs.iter().flat_map(|(_, s)| &s.tables).flat_map(|t| &t.columns) {
+        let at = order.iter().position(|n| *n == column.name).unwrap_or_else(|| {
+            order.push(&column.name);
+            order.len() - 1
+        });
+        lines.entry((at, column.name.as_str())).or_insert(column);
+    }
+    let mut taken: Vec<&str> = Vec::new();
+    for column in lines.values() {
+        let _ = writeln!(out, "{}", map(column, &mut taken));
+    }
+    for (i, (file, _)) in logs.iter().enumerate() {
+        // One run of several is kept back, to judge.
+        let role = if i > 0 && i + 1 == logs.len() { "holdout" } else { "fit" };
+        let _ = write!(out, "\n[[run]]\nfile = {}\nrole = \"{role}\"\n", quoted(&relative(folder, file)?));
+        if i == 0 && logs.len() == 1 {
+            out.push_str("# TODO: a second run with role = \"holdout\" judges\n");
+        }
+    }
+    Ok(out)
+}
+
+/// One line of `[columns]`; commented out where nothing is guessed, or where another column has the channel.
+fn map<'a>(column: &'a ColumnSurvey, taken: &mut Vec<&'a str>) -> String {
+    let source = quoted(&column.name);
+    let Some(role) = &column.role else {
+        let why = match column.range {
+            None => "no numbers".to_owned(),
+            Some((low, _)) if column.constant => format!("always {}", short(low, 6)),
+            Some((low, high)) => format!("{} to {}", short(low, 5), short(high, 5)),
+        };
+        return format!("# {source} = \"\"   # {}", one_line(&why));
+    };
+    // Every table has its own time; a bench has one input.
+    let input = |target: &str| INPUT_COLUMNS.contains(&target);
+    let free = role.target == "time_s"
+        || !taken.iter().any(|t| *t == role.target || (input(t) && input(&role.target)));
+    if free {
+        taken.push(&role.target);
+    }
+    let said = match &role.settings {
+        Some(settings) => format!("{{ as = {}, {settings} }}", quoted(&role.target)),
+        None => quoted(&role.target),
+    };
+    let mark = if free && column.fault.is_none() { "" } else { "# " };
+    format!("{mark}{source} = {said}   # {}", one_line(&role.reason))
+}
+
+/// A number with at most so many digits, without zeros that say nothing.
+fn short(value: f64, digits: usize) -> String {
+    let text = figures(value, digits);
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A text as a TOML string.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+/// A text that breaks no comment.
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+/// How the campaign file names a log: by its name inside the folder, else by its whole path.
+fn relative(folder: &Path, file: &Path) -> anyhow::Result<String> {
+    let file = std::fs::canonicalize(file).or_bad_input()?;
+    let inside =
+        std::fs::canonicalize(folder).ok().and_then(|f| file.strip_prefix(f).ok().map(Path::to_owned));
+    Ok(inside.unwrap_or(file).to_string_lossy().into_owned())
+}

@@ -1,0 +1,87 @@
+//! `sealegs import`: what it says of logs of every kind, and that what it writes is a campaign.
+
+mod program;
+
+use program::sealegs;
+use sealegs::sysid::Campaign;
+use std::path::{Path, PathBuf};
+
+fn log(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../logs/tests/data").join(name)
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// What the program prints; it must succeed.
+fn said(arguments: &[&str]) -> String {
+    let done = sealegs(1, arguments);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    String::from_utf8(done.stdout).unwrap()
+}
+
+#[test]
+fn what_it_writes_is_a_campaign_that_can_be_read() {
+    for name in ["semicolon.csv", "packed.mat", "plain.npz", "columns.json"] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("new");
+        let told = said(&["import", text(&log(name)), text(&log(name)), "-o", text(&out)]);
+        assert!(told.contains("40 rows, 0.039 s at 1000 Hz by 't' in s"), "{told}");
+        assert!(told.contains("-> joint_angle_rad"), "{told}");
+        let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+        // The same rows cannot both be fitted and judge.
+        assert!(Campaign::read(&out).unwrap_err().to_string().contains("two roles"));
+        std::fs::write(out.join("campaign.toml"), written.replace("holdout", "fit")).unwrap();
+        let campaign = Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{written}"));
+        let record = &campaign.runs[0].record;
+        assert_eq!(record.len(), 40);
+        assert!(record.input("voltage_v").is_some() && record.output("joint_angle_rad").is_some());
+    }
+}
+
+#[test]
+fn topics_joints_and_faults_are_shown() {
+    let told = said(&["import", text(&log("bag.mcap"))]);
+    for words in
+        ["/joint_states: 40 rows", "/joint_states.position[knee]", "-> knee.angle_rad", "/command: 4 rows"]
+    {
+        assert!(told.contains(words), "{words} is not in {told}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("gaps.csv");
+    let row = |i: u32| {
+        format!("{},{},7,{}\n", if i < 20 { i } else { i + 500 }, i % 3, if i == 5 { "x" } else { "1" })
+    };
+    let rows: String = (0..40).map(row).collect();
+    std::fs::write(&file, format!("time_ms,force,dead,odd\n{rows}")).unwrap();
+    let told = said(&["import", text(&file), "-o", text(folder.path())]);
+    for words in
+        ["1 gap(s), the longest 0.501 s", "always 7", "line 7: 'x' is no number", "by 'time_ms' in ms"]
+    {
+        assert!(told.contains(words), "{words} is not in {told}");
+    }
+    // Beside the campaign the log is named by its name alone.
+    let written = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
+    assert!(written.contains("file = \"gaps.csv\""), "{written}");
+}
+
+#[test]
+fn what_cannot_be_done_is_one_message_and_status_2() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("campaign.toml"), "mine").unwrap();
+    let broken = folder.path().join("broken.mat");
+    std::fs::write(&broken, "no such thing").unwrap();
+    for (arguments, word) in [
+        (vec!["import", "nowhere.csv"], "nowhere.csv"),
+        (vec!["import", text(&broken)], "broken.mat"),
+        (vec!["import", text(&log("level73.mat"))], "-v7"),
+        (vec!["import", text(&log("plain.mat")), "-o", text(folder.path())], "is there already"),
+    ] {
+        let done = sealegs(1, &arguments);
+        let message = String::from_utf8(done.stderr).unwrap();
+        assert_eq!(done.status.code(), Some(2), "{message}");
+        assert!(message.contains(word) && message.lines().count() == 1, "{message}");
+    }
+    assert_eq!(std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap(), "mine");
+}

@@ -1,0 +1,38 @@
+//! Other people's logs as tables: named columns of numbers, with the file, the row and the column of every fault.
+//!
+//! - [`read`] looks at a file's ending (and its first bytes) and reads it whole: CSV in its many shapes, Parquet,
+//!   MATLAB of level 5, JSON, NumPy, MCAP and ROS 2 bags. A [`Log`] has one [`Table`] for each topic, list or length of
+//!   arrays. A cell that is no number is a [`Fault`] of its column, so that a column nobody needs breaks nothing.
+//! - [`columns`] maps what a file has onto the names of the data contract: scale, unit, sign, offset, wrap.
+//! - [`join`] puts tables and files with different clocks on one clock.
+//! - [`survey`] says what is in a file, and what its columns probably are.
+//!
+//! Whatever a file claims of its size is checked before room is made for it. What a file holds is limited to some
+//! half a gigabyte more than its own size.
+
+mod arrays;
+mod bag;
+mod budget;
+pub mod columns;
+mod csv_table;
+mod error;
+mod fence;
+mod guess;
+pub mod join;
+mod json;
+mod matlab;
+mod mcap_log;
+mod numpy;
+mod open;
+mod parquet_table;
+mod ros;
+mod sqlite;
+pub mod survey;
+mod table;
+mod topics;
+mod units;
+mod zip;
+
+pub use error::{LogError, Place, place};
+pub use open::{Format, parse, read};
+pub use table::{Column, Fault, Log, Places, Table};

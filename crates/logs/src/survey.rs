@@ -1,0 +1,173 @@
+//! What is in a log: rates, gaps, ranges, dead columns, and what each column probably is.
+
+use crate::table::{Column, Log, Table};
+use crate::{Place, guess};
+
+/// What is in a log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// One for each table, in their order.
+    pub tables: Vec<TableSurvey>,
+}
+
+/// What is in a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableSurvey {
+    /// The table's name; empty where the file has one table.
+    pub name: String,
+    /// Number of rows.
+    pub rows: usize,
+    /// The column that is time, if one is.
+    pub clock: Option<ClockSurvey>,
+    /// The columns in their order.
+    pub columns: Vec<ColumnSurvey>,
+}
+
+/// How regular a table's time is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClockSurvey {
+    /// The column, by its place in [`TableSurvey::columns`].
+    pub column: usize,
+    /// What its numbers are: `s`, `ms`, `us` or `ns`.
+    pub unit: &'static str,
+    /// Why it is taken for time, and why in this unit.
+    pub reason: String,
+    /// First to last stamp, s.
+    pub duration_s: f64,
+    /// Rate by the median step, Hz.
+    pub rate_hz: f64,
+    /// Root mean square deviation of a step from the median one, gaps left out, as a share of it.
+    pub jitter: f64,
+    /// Steps of more than five periods.
+    pub gaps: usize,
+    /// The longest step, s.
+    pub longest_s: f64,
+    /// Where time does not go on for the first time.
+    pub stands: Option<Place>,
+}
+
+/// What is in a column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColumnSurvey {
+    /// As a campaign calls it.
+    pub name: String,
+    /// What it holds if not plain numbers.
+    pub holds: Option<String>,
+    /// Least and greatest finite value; `None` if no cell is a number.
+    pub range: Option<(f64, f64)>,
+    /// Cells that are no finite number.
+    pub empty: usize,
+    /// Where the first of them is, and what is wrong.
+    pub fault: Option<(Place, String)>,
+    /// Whether all its numbers are the same.
+    pub constant: bool,
+    /// Share of rows in which it stays what it was in the row before.
+    pub unchanged: f64,
+    /// What it probably is.
+    pub role: Option<Role>,
+}
+
+/// What a column probably is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Role {
+    /// The channel of the data contract.
+    pub target: String,
+    /// What else the map needs, as TOML: `unit = "deg"`.
+    pub settings: Option<String>,
+    /// Why.
+    pub reason: String,
+}
+
+/// A step of more periods than this is a gap.
+const GAP: f64 = 5.0;
+
+/// Looks at every column of a log.
+#[must_use]
+pub fn survey(log: &Log) -> Survey {
+    Survey { tables: log.tables.iter().map(of_table).collect() }
+}
+
+fn of_table(table: &Table) -> TableSurvey {
+    let clock = of_clock(table);
+    let mut columns: Vec<ColumnSurvey> = table.columns.iter().map(|c| of_column(table, c)).collect();
+    guess::roles(table, clock.as_ref().map(|c| c.column), &mut columns);
+    if let Some(clock) = &clock {
+        let settings = (clock.unit != "s").then(|| format!("unit = \"{}\"", clock.unit));
+        columns[clock.column].role =
+            Some(Role { target: "time_s".to_owned(), settings, reason: clock.reason.clone() });
+    }
+    TableSurvey { name: table.name.clone(), rows: table.rows(), clock, columns }
+}
+
+fn of_column(table: &Table, column: &Column) -> ColumnSurvey {
+    let finite = || column.values.iter().copied().filter(|v| v.is_finite());
+    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let unchanged = column.values.windows(2).filter(|w| w[0] == w[1]).count();
+    let origin = column.origin as f64;
+    ColumnSurvey {
+        name: table.full_name(column),
+        holds: column.holds.clone(),
+        range: (low <= high).then_some((low + origin, high + origin)),
+        empty: column.values.iter().filter(|v| !v.is_finite()).count(),
+        fault: column.fault.as_ref().map(|f| (table.places.of(f.row), f.problem.clone())),
+        constant: low == high,
+        unchanged: unchanged as f64 / column.values.len().saturating_sub(1).max(1) as f64,
+        role: None,
+    }
+}
+
+/// The column that is time: the format's own, or one that is called so and goes on.
+fn of_clock(table: &Table) -> Option<ClockSurvey> {
+    let (index, reason) = match table.clock {
+        Some(own) => (own, "the time at which each message was logged".to_owned()),
+        None => {
+            let named = |c: &Column| guess::is_time(&c.name) && c.fault.is_none() && goes_on(&c.values);
+            let index = table.columns.iter().position(named)?;
+            (index, "by its name, and it goes on".to_owned())
+        }
+    };
+    let column = &table.columns[index];
+    let steps: Vec<f64> = column.values.windows(2).map(|w| w[1] - w[0]).filter(|s| s.is_finite()).collect();
+    let mut sorted: Vec<f64> = steps.iter().copied().filter(|&s| s > 0.0).collect();
+    if sorted.is_empty() {
+        return None;
+    }
+    sorted.sort_unstable_by(f64::total_cmp);
+    let period = sorted[sorted.len() / 2];
+    let first = column.values[0] + column.origin as f64;
+    let (unit, why) = guess::time_unit(&column.name, column.holds.as_deref(), first, period);
+    let factor = match unit {
+        "ms" => 1e-3,
+        "us" => 1e-6,
+        "ns" => 1e-9,
+        _ => 1.0,
+    };
+    let (mut sum, mut count, mut gaps) = (0.0, 0.0f64, 0);
+    for step in &steps {
+        if *step > GAP * period {
+            gaps += 1;
+        } else {
+            sum += (step - period).powi(2);
+            count += 1.0;
+        }
+    }
+    let last = column.values[column.values.len() - 1];
+    Some(ClockSurvey {
+        column: index,
+        unit,
+        reason: format!("{reason}; {why}"),
+        duration_s: (last - column.values[0]) * factor,
+        rate_hz: 1.0 / (period * factor),
+        jitter: (sum / count.max(1.0)).sqrt() / period,
+        gaps,
+        longest_s: sorted[sorted.len() - 1] * factor,
+        stands: column.values.windows(2).position(|w| w[1] <= w[0]).map(|row| table.places.of(row + 1)),
+    })
+}
+
+/// Whether numbers nearly always increase: a few that do not are a fault of a clock, and no other signal.
+fn goes_on(values: &[f64]) -> bool {
+    let steps = values.len().saturating_sub(1);
+    let on = values.windows(2).filter(|w| w[1] > w[0]).count();
+    steps > 0 && on as f64 > 0.95 * steps as f64
+}
