@@ -406,7 +406,7 @@ mod tests {
         let schema = Schema::new("rig/msg/Whole", definition).unwrap();
         let mut bytes = vec![0, 1, 0, 0];
         let put = |bytes: &mut Vec<u8>, size: usize, value: &[u8]| {
-            while (bytes.len() - 4) % size != 0 {
+            while !(bytes.len() - 4).is_multiple_of(size) {
                 bytes.push(0);
             }
             bytes.extend(value);

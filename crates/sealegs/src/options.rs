@@ -84,6 +84,9 @@ impl From<Scenario> for ModelSource {
     }
 }
 
+/// Whoever is told what is being done.
+type Tell = dyn Fn(&str) + Send + Sync;
+
 /// What [`compare`](crate::compare()), [`diagnose`](crate::diagnose()) and [`add`](crate::add()) take beside a campaign.
 ///
 /// ```
@@ -99,7 +102,7 @@ pub struct Options {
     pub(crate) as_is: bool,
     pub(crate) force: bool,
     pub(crate) command: String,
-    pub(crate) progress: Option<Arc<dyn Fn(&str) + Send + Sync>>,
+    pub(crate) progress: Option<Arc<Tell>>,
     pub(crate) stop: Stop,
 }
 

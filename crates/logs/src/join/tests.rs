@@ -96,7 +96,7 @@ fn sources_must_name_one_column() {
 fn of_known_columns_of_one_name_a_map_chooses() {
     let both = || vec![file("a.csv", "t,current_a\n0,1\n1,2\n"), file("b.csv", "t,current_a\n0,3\n1,4\n")];
     let time = map("t", "time_s");
-    let said = refused(both(), &[time.clone()]);
+    let said = refused(both(), std::slice::from_ref(&time));
     assert!(said.contains("stands in b.csv") && said.contains("in a.csv"), "{said}");
     let run = join(both(), &request(&[time, map("b.csv:current_a", "current_a")])).unwrap();
     assert_eq!(run.channels, [("current_a".into(), vec![3.0, 4.0])]);

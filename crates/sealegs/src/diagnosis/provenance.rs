@@ -39,13 +39,13 @@ impl Input {
         Ok(Self { file, sha256: hex(Sha256::digest(&bytes).as_slice()) })
     }
 
-    /// The file of a run, or its columns.
+    /// The file of a run; its columns, where they are in memory or in a folder (a ROS bag).
     ///
     /// # Errors
     ///
     /// If the file can no longer be read.
     pub fn of_run(run: &Run) -> Result<Self> {
-        if !run.is_in_memory() {
+        if !run.is_in_memory() && !run.path.is_dir() {
             return Self::of_file(&run.path);
         }
         let mut hash = Sha256::new();

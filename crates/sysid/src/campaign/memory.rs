@@ -275,7 +275,9 @@ impl CampaignBuilder {
 mod tests {
     use super::*;
 
-    fn columns(rows: usize) -> Vec<(&'static str, Vec<f64>)> {
+    type Named = Vec<(&'static str, Vec<f64>)>;
+
+    fn columns(rows: usize) -> Named {
         let time: Vec<f64> = (0..rows).map(|i| 1e-3 * i as f64).collect();
         let current: Vec<f64> = time.iter().map(|t| (60.0 * t).sin()).collect();
         let force: Vec<f64> =
@@ -316,7 +318,7 @@ mod tests {
 
     #[test]
     fn what_a_file_may_not_hold_is_refused_by_run_row_and_column() {
-        let message = |change: &dyn Fn(&mut Vec<(&'static str, Vec<f64>)>)| {
+        let message = |change: &dyn Fn(&mut Named)| {
             let mut columns = columns(40);
             change(&mut columns);
             built(RunColumns::new("a", Role::Fit, columns)).unwrap_err().to_string()

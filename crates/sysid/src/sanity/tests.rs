@@ -193,7 +193,9 @@ fn exchanged_columns_of_one_unit_are_found() {
         (0..3000).map(|i| 0.8 * (0.02 * f64::from(i)).sin() - 0.1 * (0.11 * f64::from(i)).cos()).collect();
     let pairs = |m1, m2| {
         let of = |measured, predicted| {
-            let pair = Pair { run: 0, channel: "f_n", noise: 1e-3, measured, predicted, rows: vec![0..3000] };
+            let rows = 0..3000;
+            let pair =
+                Pair { run: 0, channel: "f_n", noise: 1e-3, measured, predicted, rows: Vec::from([rows]) };
             against::Seen { line: pair.line(0, 1), pair, judged: false }
         };
         against::exchange(&of(m1, &a), &of(m2, &b))
