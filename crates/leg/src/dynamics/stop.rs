@@ -2,7 +2,7 @@
 //!
 //! A joint whose losses are slow against the step takes them as they are at the step's beginning. Where they are
 //! fast (a finger's inertia against the stiffness of a stop) that would run away, and they are solved for at the
-//! step's end: see [`stiff`](super::stiff).
+//! step's end: see `stiff`.
 
 use super::engine::Engine;
 use super::stiff::{Loss, Stiff};

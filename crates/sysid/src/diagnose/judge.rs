@@ -75,7 +75,7 @@ pub struct Verdict {
     pub kind: VerdictKind,
     /// The effects that are named.
     pub effects: Vec<String>,
-    /// Effects that help significantly and take less than [`NAMED_SHARE`] of the base model's held-out error.
+    /// Effects that help significantly and take less than 1 % of the base model's held-out error.
     pub traces: Vec<String>,
     /// The errors from the base model to the named set, one effect after the other.
     pub ladder: Vec<Rung>,

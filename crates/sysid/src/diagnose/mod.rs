@@ -1,10 +1,10 @@
 //! Which physical effect is missing: see what is missing in the log, then name it.
 //!
-//! The walk, a stage a file; none looks back. The base model is refitted first ([`refine`]), so that a wrong value is never
-//! taken for a missing effect. An observer shows what is missing at each port ([`missing`]) and what that depends on
-//! ([`dependence`]). Effects are regressed on it ([`screen`]()), the promising sets fitted ([`Models`]), compared and
-//! exchanged on stretches of the fit runs ([`search`]). Then, and only then, the holdout runs are read, and judge once
-//! ([`judge`]).
+//! The walk, a stage a file; none looks back. The base model is refitted first (`refine`), so that a wrong value is never
+//! taken for a missing effect. An observer shows what is missing at each port (`missing`) and what that depends on
+//! (`dependence`). Effects are regressed on it ([`screen`]()), the promising sets fitted ([`Models`]), compared and
+//! exchanged on stretches of the fit runs (`search`). Then, and only then, the holdout runs are read, and judge once
+//! (`judge`).
 
 mod adapt;
 mod candidate;
