@@ -105,7 +105,8 @@ impl Prediction {
     pub fn places(&self) -> Vec<&str> {
         let mut places: Vec<&str> = Vec::new();
         for signal in &self.internals {
-            let name = signal.channel.split_once(internal::MISSING).map_or(signal.channel.as_str(), |(p, _)| p);
+            let name =
+                signal.channel.split_once(internal::MISSING).map_or(signal.channel.as_str(), |(p, _)| p);
             let place = name.rsplit_once('.').map_or("", |(place, _)| place);
             if !places.contains(&place) {
                 places.push(place);

@@ -95,8 +95,8 @@ impl Observed {
         let c = model.spec.coefficients();
         // Gains follow from nominal values: they must not change while a fit moves the parameters.
         let mass = c.total_mass();
-        let most =
-            (FASTEST_PER_STEP / grid.step_s).min(FASTEST_PER_SAMPLE / record.mean_period_s().max(grid.step_s));
+        let most = (FASTEST_PER_STEP / grid.step_s)
+            .min(FASTEST_PER_SAMPLE / record.mean_period_s().max(grid.step_s));
         let fast = |stiffness: f64, mass: f64| (FASTER * (stiffness / mass).sqrt()).min(most);
         let rate = fast(c.stiffness, mass);
         let (stiffness, damping) = (mass * rate * rate, 2.0 * mass * rate);

@@ -107,9 +107,9 @@ pub fn add(
     let base = models.base()?;
     check(model, effects, &models.seen)?;
     tell(format!("fitting {}", effects.join(" + ")));
-    let after = models
-        .with_effects(&base, effects)
-        .ok_or_else(|| bad_input(format!("{} cannot be simulated with {}", model.name(), effects.join(" + "))))?;
+    let after = models.with_effects(&base, effects).ok_or_else(|| {
+        bad_input(format!("{} cannot be simulated with {}", model.name(), effects.join(" + ")))
+    })?;
     let before = models.polished(&base);
     let seen = models.seen;
     let mut work = data.work();

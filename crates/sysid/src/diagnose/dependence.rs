@@ -109,7 +109,8 @@ pub fn dependences(
     base.retain(|c| c.len() == target.len() && c.iter().all(|v| v.is_finite()));
     let noise = target.len() as f64 * missing.std.powi(2);
     let alone = left_out(&base, &target, &rows.block);
-    let signal = (alone - noise).max(1e-12 * alone.max(f64::MIN_POSITIVE));
+    // A method's own error is no white noise that a curve could not foresee: at least half of the signal counts.
+    let signal = (alone - noise).max(0.5 * alone).max(f64::MIN_POSITIVE);
     let mut found: Vec<Dependence> = forms(&rows, missing.port.starts_with("sensor/"))
         .into_iter()
         .filter(|f| f.columns.iter().flatten().all(|v| v.is_finite()))
@@ -161,11 +162,23 @@ fn forms(rows: &Rows, sensor: bool) -> Vec<Form> {
     speed.columns.push(direction.clone());
     forms.push(speed);
     forms.push(curve("position", internal::SCREW_POSITION, &rows.position, KNOTS));
-    forms.push(times("direction and position", internal::SCREW_POSITION, "direction", &rows.position, direction));
+    forms.push(times(
+        "direction and position",
+        internal::SCREW_POSITION,
+        "direction",
+        &rows.position,
+        direction,
+    ));
     let load: Vec<f64> = rows.load.iter().map(|f| f.abs()).collect();
     forms.push(times("direction and load", internal::SCREW_FORCE, "direction", &load, direction));
     forms.push(times("direction and time", "time_s", "direction", &rows.time, direction));
-    forms.push(times("direction and travelled distance", "travelled", "direction", &rows.travelled, direction));
+    forms.push(times(
+        "direction and travelled distance",
+        "travelled",
+        "direction",
+        &rows.travelled,
+        direction,
+    ));
     let turns = (1..=HARMONICS).flat_map(|n| {
         let wave = |f: fn(f64) -> f64| rows.angle.iter().map(|a| f(n as f64 * a)).collect::<Vec<f64>>();
         [wave(f64::sin), wave(f64::cos)]
@@ -206,7 +219,11 @@ fn rows(data: &Data, observed: &Candidate, missing: &Missing, step: usize) -> Ro
     let output = missing.port == "output";
     let speed_name = if output { internal::JOINT_ANGLE } else { internal::SCREW_SPEED };
     let speed_of = |run: usize| -> Vec<f64> {
-        if output { rate(&inside(run, speed_name), &data.runs[run].record.time_s) } else { inside(run, speed_name) }
+        if output {
+            rate(&inside(run, speed_name), &data.runs[run].record.time_s)
+        } else {
+            inside(run, speed_name)
+        }
     };
     let speed = each(&speed_of);
     // Below a hundredth of the usual speed a direction is noise.
@@ -230,7 +247,8 @@ fn rows(data: &Data, observed: &Candidate, missing: &Missing, step: usize) -> Ro
         block.extend((0..rows).map(|i| run * blocks + i * blocks / rows.max(1)));
     }
     let channel = missing.port.strip_prefix("sensor/").unwrap_or("");
-    let full = if missing.place.is_empty() { channel.to_owned() } else { format!("{}.{channel}", missing.place) };
+    let full =
+        if missing.place.is_empty() { channel.to_owned() } else { format!("{}.{channel}", missing.place) };
     let position = if output { of(internal::JOINT_ANGLE) } else { of(internal::SCREW_POSITION) };
     Rows {
         direction: speed.iter().map(|v| (v / slow).tanh()).collect(),
@@ -249,7 +267,13 @@ fn rows(data: &Data, observed: &Candidate, missing: &Missing, step: usize) -> Ro
         time: each(&|run| data.runs[run].record.time_s.clone()),
         travelled: each(&|run| {
             let mut sum = 0.0;
-            speed_of(run).iter().map(|v| { sum += v.abs(); sum }).collect()
+            speed_of(run)
+                .iter()
+                .map(|v| {
+                    sum += v.abs();
+                    sum
+                })
+                .collect()
         }),
         command: each(&command_of),
         past: (1..=PAST).map(|by| each(&|run| late(run, by))).collect(),
@@ -274,7 +298,13 @@ fn rate(values: &[f64], time_s: &[f64]) -> Vec<f64> {
 /// A play operator: follows its input with slack `width` to either side.
 fn play(input: &[f64], width: f64) -> Vec<f64> {
     let mut at = 0.0_f64;
-    input.iter().map(|&x| { at = at.clamp(x - width, x + width); at }).collect()
+    input
+        .iter()
+        .map(|&x| {
+            at = at.clamp(x - width, x + width);
+            at
+        })
+        .collect()
 }
 
 /// Knots at quantiles, each once.
@@ -305,7 +335,11 @@ fn hats(x: &[f64], knots: &[f64]) -> Vec<Vec<f64>> {
 }
 
 /// `A` and `b` of the normal equations over some rows, columns in their own size.
-fn normal(columns: &[Vec<f64>], target: &[f64], rows: impl Iterator<Item = usize>) -> (DMatrix<f64>, DVector<f64>) {
+fn normal(
+    columns: &[Vec<f64>],
+    target: &[f64],
+    rows: impl Iterator<Item = usize>,
+) -> (DMatrix<f64>, DVector<f64>) {
     let n = columns.len();
     let (mut a, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
     for i in rows {

@@ -111,12 +111,12 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     let chosen = &found.tried[index];
     let chosen_holdout = held_out(index)?;
     let missing = excess(base_holdout.rms, floor);
-    let share =
-        if missing > 0.0 { (excess(chosen_holdout.rms, floor) / missing).min(1.0) } else { 0.0 };
+    let share = if missing > 0.0 { (excess(chosen_holdout.rms, floor) / missing).min(1.0) } else { 0.0 };
     let left = (chosen_holdout.rms - floor) / (base_holdout.rms - floor).max(1e-9);
     let kind = if chosen.effects.is_empty() {
         let near = base_holdout.rms <= EXPLAINED * floor
-            && excess(base_holdout.rms, floor) <= WITHIN_UNCERTAINTY * uncertainty(holdout, base, &base_holdout)?;
+            && excess(base_holdout.rms, floor)
+                <= WITHIN_UNCERTAINTY * uncertainty(holdout, base, &base_holdout)?;
         let fits = base.fit.error() <= ADEQUATE * floor && (base_holdout.rms <= ADEQUATE * floor || near);
         if fits { VerdictKind::Adequate } else { VerdictKind::Unexplained }
     } else if chosen_holdout.rms <= EXPLAINED * floor || left < LEFT_SHARE {

@@ -146,7 +146,7 @@ const STEP: f64 = 1e-2;
 #[must_use]
 pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
     let known = with_nominal_base(models.exact, &candidate.known());
-    let Some(observed) = models.observing(candidate, &known) else { return Vec::new() };
+    let Some(observed) = models.as_stated(candidate, &known) else { return Vec::new() };
     let Ok(open) = with_effects(models.coarse.as_ref(), &candidate.effects, &models.seen) else {
         return Vec::new();
     };
@@ -172,11 +172,16 @@ pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
             let same = |m: &&Missing| m.place == missing.place && m.port == missing.port;
             let column = |moved: &Vec<Missing>| -> Option<Vec<Vec<f64>>> {
                 let moved = moved.iter().find(same)?;
-                let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
+                let difference =
+                    |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
                 Some(moved.runs.iter().zip(&missing.runs).map(difference).collect())
             };
             let nuisances: Vec<Vec<Vec<f64>>> = moved.iter().filter_map(column).collect();
-            let depends = if missing.is_felt() { dependences(data, &observed, &missing, &nuisances) } else { Vec::new() };
+            let depends = if missing.is_felt() {
+                dependences(data, &observed, &missing, &nuisances)
+            } else {
+                Vec::new()
+            };
             Port { missing, depends }
         })
         .collect();
@@ -202,8 +207,11 @@ const MOSTLY: f64 = 0.5;
 /// Whether a load cell's own error makes what is missing at its spring: a force that is really there acts on the rotor and on
 /// the other load cell as well, an error of the cell is missing in the balance of the rotor by just as much.
 fn is_sensor_fault(ports: &[Port], cell: &Port) -> bool {
-    let at = |name: &str| ports.iter().find(|p| p.missing.place == cell.missing.place && p.missing.port == name);
-    if !matches!(cell.missing.port.as_str(), "sensor/force_1_n" | "sensor/output_torque_nm") || !cell.missing.is_felt() {
+    let at =
+        |name: &str| ports.iter().find(|p| p.missing.place == cell.missing.place && p.missing.port == name);
+    if !matches!(cell.missing.port.as_str(), "sensor/force_1_n" | "sensor/output_torque_nm")
+        || !cell.missing.is_felt()
+    {
         return false;
     }
     let (Some(rotor), Some(spring)) = (at("rotor"), at("spring")) else { return false };

@@ -94,16 +94,26 @@ impl<'a> Models<'a> {
         }
     }
 
-    /// A candidate under the observer, at values by name: what screening looks beside. Where nothing is known of a base
-    /// parameter it is fitted there; else what the maker states is nearer to the truth than a fit without what is missing.
-    /// `None` where there is no observer.
+    /// A candidate fitted under the observer, from values by name: what screening looks beside, as its residual has no part
+    /// that the base parameters could still take. `None` where there is no observer.
     #[must_use]
     pub fn observing(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
+        self.observed_for(candidate, known, OBSERVED_STEPS as usize)
+    }
+
+    /// A candidate under the observer as its maker states it, or fitted where nothing is known of a base parameter: what is
+    /// missing at a port is seen beside values that the missing effect has not driven away.
+    #[must_use]
+    pub fn as_stated(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
+        let unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none();
+        let fitted = self.exact.parameters().iter().any(unknown) || !candidate.effects.is_empty();
+        self.observed_for(candidate, known, if fitted { OBSERVED_STEPS as usize } else { 0 })
+    }
+
+    fn observed_for(&self, candidate: &Candidate, known: &Known, steps: usize) -> Option<Candidate> {
         let observed = self.observed.as_deref()?;
         let model = with_effects(observed, &candidate.effects, &self.seen).ok()?;
         let start = values_by_name(model.as_ref(), known);
-        let unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none();
-        let steps = if self.exact.parameters().iter().any(unknown) { OBSERVED_STEPS as usize } else { 0 };
         let options = FitOptions {
             max_steps: steps,
             tolerance: ROUGH_TOLERANCE,
@@ -141,9 +151,8 @@ impl<'a> Models<'a> {
         let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
         let mut starts = vec![values_by_name(model.as_ref(), known)];
         starts.extend(observed.map(|f| f.values.clone()));
-        let cost = |values: &Vec<f64>| {
-            self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost)
-        };
+        let cost =
+            |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);
         let costs: Vec<f64> = starts.iter().map(cost).collect();
         let best = (0..starts.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a })?;
         let start = starts.swap_remove(best);
@@ -166,7 +175,9 @@ impl<'a> Models<'a> {
         if self.dear {
             return candidate;
         }
-        count::tuned(self.data, candidate, |near, known| self.fitted_near(near, &near.effects, &known.to_vec()))
+        count::tuned(self.data, candidate, |near, known| {
+            self.fitted_near(near, &near.effects, &known.to_vec())
+        })
     }
 
     /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors.
@@ -215,7 +226,8 @@ impl Models<'_> {
         let known = near.known();
         let beside = self.observing(near, &with_nominal_base(self.exact, &known));
         let looks = [beside.as_ref(), Some(near)].into_iter().flatten();
-        let starts = looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
+        let starts =
+            looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
         let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
         let fitted = starts.into_iter().filter_map(|start| {
             let known: Known = known.iter().cloned().chain(start).collect();
@@ -230,7 +242,8 @@ impl Models<'_> {
     #[must_use]
     pub fn with_effects(&self, base: &Candidate, effects: &[String]) -> Option<Candidate> {
         let backwards: Vec<String> = effects.iter().rev().cloned().collect();
-        let orders = if effects.len() > 1 { vec![effects.to_vec(), backwards] } else { vec![effects.to_vec()] };
+        let orders =
+            if effects.len() > 1 { vec![effects.to_vec(), backwards] } else { vec![effects.to_vec()] };
         let grown = orders.into_iter().filter_map(|order| {
             order.iter().try_fold(base.clone(), |grown, effect| self.with_one_more(&grown, effect))
         });

@@ -62,7 +62,8 @@ impl Screened {
     #[must_use]
     pub fn plans(&self, left: f64) -> Vec<Plan> {
         let alone = self.promises.iter().filter(|p| p.drop > 0.0).take(SHORTLIST as usize);
-        let alone = alone.map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() });
+        let alone =
+            alone.map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() });
         let best = self.promises.first().map_or(0.0, |p| p.drop);
         let worth = (PAIR_WORTH * (left - best)).max(0.0);
         let pairs = self.pairs.iter().filter(|p| p.drop > best + worth).take(SHORTLIST_PAIRS as usize);

@@ -3,8 +3,8 @@
 
 use super::compare::{clearly_better, excess, gain};
 use super::policy::{
-    AT_FLOOR, EXPLAINED, FOLLOWERS, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR, RIVAL_COST, STARTS, STARTS_DEAR, STEP_SHARE,
-    TIED_COST,
+    AT_FLOOR, EXPLAINED, FOLLOWERS, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR, RIVAL_COST, STARTS,
+    STARTS_DEAR, STEP_SHARE, TIED_COST,
 };
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -86,19 +86,13 @@ impl Search<'_> {
         let starts = if models.dear { STARTS_DEAR } else { STARTS } as usize;
         let known = with_nominal_base(models.exact, &candidate.known());
         let cards = addable(candidate.model.as_ref(), &models.seen, &self.admitted);
-        let at = |beside: &Candidate, cards: &[EffectCard]| screen(models.data, beside, &models.seen, cards, starts);
-        let Some(beside) = models.observing(candidate, &known) else { return (at(candidate, &cards), Vec::new()) };
+        let at = |beside: &Candidate, cards: &[EffectCard]| {
+            screen(models.data, beside, &models.seen, cards, starts)
+        };
+        let Some(beside) = models.observing(candidate, &known) else {
+            return (at(candidate, &cards), Vec::new());
+        };
         let screened = at(&beside, &cards);
-        if std::env::var("SL_DEBUG").is_ok() {
-            eprintln!("   beside cost {:.4e}", beside.fit.cost);
-            for p in screened.promises.iter().take(12) {
-                eprintln!("   promise {} {:.4e} {:?}", p.effect, p.drop, p.start);
-            }
-            for p in screened.pairs.iter().take(6) {
-                eprintln!("   pair {:?} {:.4e}", p.added, p.drop);
-            }
-        }
-        stage(models, "screened");
         if models.dear {
             return (screened, Vec::new());
         }
@@ -134,24 +128,19 @@ impl Search<'_> {
         let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =
             jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
         let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
-        stage(models, "observed fits");
         // Without an observer they stay in the order of what they promise.
         ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
-        if std::env::var("SL_DEBUG").is_ok() {
-            for r in &ranked {
-                eprintln!("   {:?} {:.4e}", r.0, cost(&r.2));
-            }
-        }
         let least = ranked.first().map_or(f64::INFINITY, |r| cost(&r.2));
         let near = near.clone();
         let wave = |jobs: &[(Vec<String>, Known, Option<Fit>)]| -> Vec<Candidate> {
-            let fitted: Vec<Option<Candidate>> =
-                jobs.par_iter().map(|(set, known, fit)| models.fitted(&near, set, known, fit.as_ref())).collect();
+            let fitted: Vec<Option<Candidate>> = jobs
+                .par_iter()
+                .map(|(set, known, fit)| models.fitted(&near, set, known, fit.as_ref()))
+                .collect();
             fitted.into_iter().flatten().collect()
         };
         let leaders = (LEADERS as usize).min(ranked.len());
         let mut fitted = wave(&ranked[..leaders]);
-        stage(models, "leaders");
         let settled = fitted.iter().any(|c| models.is_settled(c, &self.tried[0]));
         let mut rest: Vec<_> = ranked.drain(leaders..).collect();
         if settled {
@@ -161,7 +150,6 @@ impl Search<'_> {
             rest.extend(sure.into_iter().map(|(set, known)| (set, known, None)));
         }
         fitted.extend(wave(&rest));
-        stage(models, "rest");
         self.tried.extend(fitted);
         known.into_iter().chain(first..self.tried.len()).collect()
     }
@@ -202,7 +190,8 @@ impl Search<'_> {
     /// The best of some sets if it is clearly better than another one, else that.
     fn best_of(&self, indices: &[usize], than: usize) -> usize {
         let floor = self.models.data.floor;
-        let better = indices.iter().copied().filter(|&i| clearly_better(&self.tried[than], &self.tried[i], floor));
+        let better =
+            indices.iter().copied().filter(|&i| clearly_better(&self.tried[than], &self.tried[i], floor));
         better.reduce(|a, b| if self.mean_square(b) < self.mean_square(a) { b } else { a }).unwrap_or(than)
     }
 
@@ -221,10 +210,13 @@ impl Search<'_> {
     fn pruned(&mut self, mut best: usize) -> usize {
         loop {
             let effects = self.tried[best].effects.clone();
-            let without: Vec<usize> =
-                effects.iter().filter_map(|leaving| self.index_of(&all_but(&effects, leaving), best)).collect();
+            let without: Vec<usize> = effects
+                .iter()
+                .filter_map(|leaving| self.index_of(&all_but(&effects, leaving), best))
+                .collect();
             let floor = self.models.data.floor;
-            let as_good = without.into_iter().filter(|&i| !clearly_better(&self.tried[i], &self.tried[best], floor));
+            let as_good =
+                without.into_iter().filter(|&i| !clearly_better(&self.tried[i], &self.tried[best], floor));
             match as_good.reduce(|a, b| if self.mean_square(b) < self.mean_square(a) { b } else { a }) {
                 Some(i) => best = i,
                 None => return best,
@@ -244,9 +236,10 @@ impl Search<'_> {
         let mut fitted = Vec::new();
         for leaving in &effects {
             let Some(without) = self.index_of(&all_but(&effects, leaving), best) else { continue };
-            let rivals = self.promises.iter().filter(|p| {
-                !effects.contains(&p.effect) && p.drop > 0.0 && port(&p.effect) == port(leaving)
-            });
+            let rivals = self
+                .promises
+                .iter()
+                .filter(|p| !effects.contains(&p.effect) && p.drop > 0.0 && port(&p.effect) == port(leaving));
             let plans: Vec<Plan> = rivals
                 .take(RIVALS)
                 .map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() })
@@ -286,10 +279,4 @@ impl Search<'_> {
 /// A set without one of its members.
 pub(super) fn all_but(effects: &[String], leaving: &str) -> Vec<String> {
     effects.iter().filter(|e| *e != leaving).cloned().collect()
-}
-
-pub(super) fn stage(models: &Models, what: &str) {
-    if std::env::var("SL_DEBUG").is_ok() {
-        eprintln!("{:?} {what}: {:?}", std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map(|d| d.as_secs_f64() % 1000.0), models.data.work());
-    }
 }
