@@ -98,9 +98,10 @@ fn resampled(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
         .collect()
 }
 
-/// Samples to each side that a smoothed value is taken from: at 1 kHz it follows to some 150 Hz, and the speed of an
-/// encoder of 4096 counts is known to 0.14 rad/s.
-const HALF_WINDOW: usize = 2;
+/// Samples to each side that a smoothed value is taken from: at 1 kHz it follows to some 60 Hz, and the speed of an
+/// encoder of 4096 counts is known to 0.03 rad/s. A shorter window pulls with the encoder's counts, which shake a rotor that
+/// should stick.
+const HALF_WINDOW: usize = 6;
 
 /// A measured signal and its rate by local parabolas (Savitzky and Golay 1964), on time stamps that may be uneven.
 ///
@@ -132,7 +133,7 @@ pub fn smoothed(time_s: &[f64], values: &[f64]) -> ReferenceMotion {
                 power *= x;
             }
         }
-        let [a, b] = if to - from >= 3 { parabola(&moment, &right) } else { [0.0, 0.0] };
+        let [a, b] = if to - from >= 4 { parabola(&moment, &right) } else { [0.0, 0.0] };
         position.push(values[i] + a);
         speed.push(b * scale);
     }

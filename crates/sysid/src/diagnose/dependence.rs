@@ -109,7 +109,8 @@ pub fn dependences(
     base.retain(|c| c.len() == target.len() && c.iter().all(|v| v.is_finite()));
     let noise = target.len() as f64 * missing.std.powi(2);
     let alone = left_out(&base, &target, &rows.block);
-    let signal = (alone - noise).max(1e-12 * alone.max(f64::MIN_POSITIVE));
+    // A method's own error is no white noise that a curve could not foresee: at least half of the signal counts.
+    let signal = (alone - noise).max(0.5 * alone).max(f64::MIN_POSITIVE);
     let mut found: Vec<Dependence> = forms(&rows, missing.port.starts_with("sensor/"))
         .into_iter()
         .filter(|f| f.columns.iter().flatten().all(|v| v.is_finite()))

@@ -146,7 +146,7 @@ const STEP: f64 = 1e-2;
 #[must_use]
 pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
     let known = with_nominal_base(models.exact, &candidate.known());
-    let Some(observed) = models.observing(candidate, &known) else { return Vec::new() };
+    let Some(observed) = models.as_stated(candidate, &known) else { return Vec::new() };
     let Ok(open) = with_effects(models.coarse.as_ref(), &candidate.effects, &models.seen) else {
         return Vec::new();
     };

@@ -125,10 +125,8 @@ pub fn diagnose(
     progress(Progress::Base);
     let mut models = Models::new(&data, base);
     let first = models.base()?;
-    search::stage(&models, "base");
     progress(Progress::Looking);
     let ports = missing::look(&models, &first);
-    search::stage(&models, "ports");
     let (found, models) = search(models, first, progress);
     let chosen = &found.tried[found.chosen];
     let ports_after = if chosen.fit.error() > policy::NEAR_FLOOR * data.floor {

@@ -94,16 +94,26 @@ impl<'a> Models<'a> {
         }
     }
 
-    /// A candidate under the observer, at values by name: what screening looks beside. Where nothing is known of a base
-    /// parameter it is fitted there; else what the maker states is nearer to the truth than a fit without what is missing.
-    /// `None` where there is no observer.
+    /// A candidate fitted under the observer, from values by name: what screening looks beside, as its residual has no part
+    /// that the base parameters could still take. `None` where there is no observer.
     #[must_use]
     pub fn observing(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
+        self.observed_for(candidate, known, OBSERVED_STEPS as usize)
+    }
+
+    /// A candidate under the observer as its maker states it, or fitted where nothing is known of a base parameter: what is
+    /// missing at a port is seen beside values that the missing effect has not driven away.
+    #[must_use]
+    pub fn as_stated(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
+        let unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none();
+        let fitted = self.exact.parameters().iter().any(unknown) || !candidate.effects.is_empty();
+        self.observed_for(candidate, known, if fitted { OBSERVED_STEPS as usize } else { 0 })
+    }
+
+    fn observed_for(&self, candidate: &Candidate, known: &Known, steps: usize) -> Option<Candidate> {
         let observed = self.observed.as_deref()?;
         let model = with_effects(observed, &candidate.effects, &self.seen).ok()?;
         let start = values_by_name(model.as_ref(), known);
-        let unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none();
-        let steps = if self.exact.parameters().iter().any(unknown) { OBSERVED_STEPS as usize } else { 0 };
         let options = FitOptions {
             max_steps: steps,
             tolerance: ROUGH_TOLERANCE,

@@ -93,16 +93,6 @@ impl Search<'_> {
             return (at(candidate, &cards), Vec::new());
         };
         let screened = at(&beside, &cards);
-        if std::env::var("SL_DEBUG").is_ok() {
-            eprintln!("   beside cost {:.4e}", beside.fit.cost);
-            for p in screened.promises.iter().take(12) {
-                eprintln!("   promise {} {:.4e} {:?}", p.effect, p.drop, p.start);
-            }
-            for p in screened.pairs.iter().take(6) {
-                eprintln!("   pair {:?} {:.4e}", p.added, p.drop);
-            }
-        }
-        stage(models, "screened");
         if models.dear {
             return (screened, Vec::new());
         }
@@ -138,14 +128,8 @@ impl Search<'_> {
         let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =
             jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
         let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
-        stage(models, "observed fits");
         // Without an observer they stay in the order of what they promise.
         ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
-        if std::env::var("SL_DEBUG").is_ok() {
-            for r in &ranked {
-                eprintln!("   {:?} {:.4e}", r.0, cost(&r.2));
-            }
-        }
         let least = ranked.first().map_or(f64::INFINITY, |r| cost(&r.2));
         let near = near.clone();
         let wave = |jobs: &[(Vec<String>, Known, Option<Fit>)]| -> Vec<Candidate> {
@@ -157,7 +141,6 @@ impl Search<'_> {
         };
         let leaders = (LEADERS as usize).min(ranked.len());
         let mut fitted = wave(&ranked[..leaders]);
-        stage(models, "leaders");
         let settled = fitted.iter().any(|c| models.is_settled(c, &self.tried[0]));
         let mut rest: Vec<_> = ranked.drain(leaders..).collect();
         if settled {
@@ -167,7 +150,6 @@ impl Search<'_> {
             rest.extend(sure.into_iter().map(|(set, known)| (set, known, None)));
         }
         fitted.extend(wave(&rest));
-        stage(models, "rest");
         self.tried.extend(fitted);
         known.into_iter().chain(first..self.tried.len()).collect()
     }
@@ -297,16 +279,4 @@ impl Search<'_> {
 /// A set without one of its members.
 pub(super) fn all_but(effects: &[String], leaving: &str) -> Vec<String> {
     effects.iter().filter(|e| *e != leaving).cloned().collect()
-}
-
-pub(super) fn stage(models: &Models, what: &str) {
-    if std::env::var("SL_DEBUG").is_ok() {
-        eprintln!(
-            "{:?} {what}: {:?}",
-            std::time::SystemTime::now()
-                .duration_since(std::time::UNIX_EPOCH)
-                .map(|d| d.as_secs_f64() % 1000.0),
-            models.data.work()
-        );
-    }
 }
