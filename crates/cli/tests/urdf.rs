@@ -45,7 +45,7 @@ fn the_strict_get_one_message_and_status_2() {
     std::fs::write(&deep, format!("<robot name=\"r\">\n{nested}\n</robot>")).unwrap();
     let plain = robot("triangle");
     for (urdf, more, named) in [
-        (&plain, vec!["--strict"], "triangle.urdf:5: link 'thigh' inertial inertia: no body has"),
+        (&plain, vec!["--strict"], "triangle.urdf:6: link 'thigh' inertial inertia: no body has"),
         (&deep, vec![], "deep.urdf:2: URDF: elements are nested more than 256 deep"),
         (&plain, vec!["--duration=-1"], "duration_s"),
     ] {
