@@ -60,7 +60,7 @@ fn rigs() -> [(BenchModel, &'static str, f64, Excitation); 4] {
     [
         (free.clone(), "motor_force_n", 150.0, seen(&free, "motor_force_n", 150.0, 150.0, 0.3, 0.1)),
         (loop_.clone(), "position_rad", 1.0, seen(&loop_, "position_rad", 1.0, 0.8, 6.0, 1.5)),
-        (loop_.clone(), "voltage_v", 3.0, seen(&loop_, "voltage_v", 3.0, 0.5, 6.0, 1.5)),
+        (loop_.clone(), "voltage_v", 3.0, seen(&loop_, "voltage_v", 3.0, 0.3, 6.0, 1.5)),
         (loop_.clone(), "joint_torque_nm", 0.3, seen(&loop_, "joint_torque_nm", 0.3, 0.3, 6.0, 1.5)),
     ]
 }
@@ -119,7 +119,7 @@ fn what_needs_a_spring_is_not_offered_and_all_else_is() {
 #[test]
 fn neutral_values_reproduce_the_baseline() {
     for (base, input, size, seen) in rigs() {
-        let record = record(input, noise(600, 0.5 * size, 3));
+        let record = record(input, noise(600, size, 3));
         let truth = base.predict(&values(&base), &record, &seen.measured).expect("finite").outputs;
         assert!(truth.iter().all(|s| s.values.iter().any(|v| *v != 0.0)), "{input}: all outputs move");
         for card in base.effects(&seen) {

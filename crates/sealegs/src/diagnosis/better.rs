@@ -199,7 +199,7 @@ pub fn named<E: AsRef<str>>(asked: &[E]) -> Result<(Vec<String>, Vec<PathBuf>)> 
                 own.push(path.to_owned());
                 effect.table().get("id").and_then(|id| id.as_str()).unwrap_or_default().to_owned()
             } else if part.ends_with(".toml") {
-                return Err(bad(part, "is no file that is there"));
+                return Err(bad(part, "names no such file"));
             } else {
                 part.to_owned()
             };

@@ -114,6 +114,7 @@ pub struct MissingSignal {
     /// All dependences with their shares.
     pub shares: Vec<Share>,
     /// The first's curve, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub curve: Option<CurveSaid>,
 }
 

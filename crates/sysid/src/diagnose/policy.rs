@@ -65,7 +65,7 @@ policy! {
     /// The same on a model with many parameters, where a simulation is dear.
     STARTS_DEAR = 3.0;
     /// Single effects that are fitted beside a set.
-    SHORTLIST = 6.0;
+    SHORTLIST = 10.0;
     /// Pairs that are fitted beside a set.
     SHORTLIST_PAIRS = 4.0;
     /// Effects that may be half of a pair, by what each promises alone.
@@ -97,7 +97,7 @@ policy! {
     /// Sets that are fitted in open loop in any case, by their cost under the observer.
     LEADERS = 2.0;
     /// The same where the leaders do not explain what is missing.
-    FOLLOWERS = 4.0;
+    FOLLOWERS = 8.0;
     /// Missing signal over its uncertainty from which on a port is said to lack something.
     PORT_FELT = 2.0;
     /// Rows of a free-form regression: more add correlated samples only.

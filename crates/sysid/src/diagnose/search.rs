@@ -19,8 +19,9 @@ const ROUNDS: usize = 2;
 /// Rivals of a member that are fitted.
 const RIVALS: usize = 3;
 
-/// Effects of the screening in open loop that are fitted, too: a sensor that the observer follows hides its own fault.
-const OPEN_LOOP: usize = 3;
+/// Effects of the screening in open loop that are fitted, too: a sensor that the observer follows hides its own fault, and a
+/// slow law (a clamp that slips) shows over seconds.
+const OPEN_LOOP: usize = 4;
 
 /// The search's state.
 pub(super) struct Search<'a> {
@@ -78,8 +79,7 @@ impl Search<'_> {
         self.fit_all(from, plans, sensors)
     }
 
-    /// What screening finds beside a set under the observer; and the sensors' effects in open loop, where simulations are
-    /// cheap: a sensor that the observer follows hides its own fault.
+    /// What screening finds beside a set under the observer; and what it finds in open loop, where simulations are cheap.
     fn screened(&self, from: usize) -> (Screened, Vec<Promise>) {
         let (models, candidate) = (&self.models, &self.tried[from]);
         (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
@@ -96,8 +96,7 @@ impl Search<'_> {
         if models.dear {
             return (screened, Vec::new());
         }
-        let sensors: Vec<EffectCard> = cards.into_iter().filter(|c| c.acts_on == "sensor").collect();
-        let mut open = at(candidate, &sensors).promises;
+        let mut open = at(candidate, &cards).promises;
         open.truncate(OPEN_LOOP);
         (screened, open)
     }
