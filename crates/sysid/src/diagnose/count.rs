@@ -144,7 +144,11 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
     let Some(about) = as_many_as_explain(&excerpt, &near, seen, card, peak / ALL_COUNTS) else {
         return Vec::new();
     };
-    let counts = evenly((about / ROUGHLY).max(FEWEST_COUNTS), (about * ROUGHLY).min(MOST_COUNTS));
+    // Other effects beside it leave more to explain than the counts do: all coarse ones are tried, and finer ones only
+    // around the number that would explain what is left.
+    let mut counts = evenly(FEWEST_COUNTS, ALL_COUNTS);
+    let finer = (about / ROUGHLY).max(ALL_COUNTS + COUNTS_APART);
+    counts.extend(evenly(finer, (about * ROUGHLY).min(MOST_COUNTS)));
     let tried: Vec<(usize, Vec<f64>)> = counts
         .into_iter()
         .flat_map(|counts| {
