@@ -54,9 +54,12 @@ fn a_slow_sensor_is_found_behind_the_damping_that_takes_its_place() {
     let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
     let Diagnosis { verdict, found, .. } = diagnose::diagnose(&campaign, &model, &|_| ()).unwrap();
     let pair = ["presliding-friction", "sensor-lag"];
+    let tried: Vec<String> =
+        found.tried.iter().map(|t| format!("{}: {:.3}", t.effects.join(" + "), t.fit.error())).collect();
     assert_eq!(
         (verdict.kind, verdict.effects.as_slice()),
-        (VerdictKind::MissingEffect, &pair.map(str::to_owned)[..])
+        (VerdictKind::MissingEffect, &pair.map(str::to_owned)[..]),
+        "{tried:#?}"
     );
     let named = &found.tried[verdict.after.index];
     let value = |name: &str| named.fit.parameters.iter().find(|p| p.name == name).unwrap().value;

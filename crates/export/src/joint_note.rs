@@ -14,6 +14,7 @@ pub fn note(id: &str, term: &Term, reach: Reach, rigid: bool) -> Note {
         Term::Stribeck { .. } => Note::near(id, "friction of the joint: its level in motion"),
         Term::Presliding { .. } => Note::near(id, "friction of the joint, without the elastic part"),
         Term::DirectedFriction { .. } => Note::near(id, "friction of the joint: the mean of both directions"),
+        Term::Warming { .. } => Note::near(id, "friction of the joint: what it is while cold"),
         Term::CommandLimit { .. } if reach == Reach::Armature && !rigid => {
             Note::lost(id, "an effort limit would clip the spring's force, too: clip the command")
         }

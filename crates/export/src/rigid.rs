@@ -174,9 +174,10 @@ pub fn speed_limit(drive: &JointDrive) -> f64 {
 /// Dry friction in motion.
 pub fn moving_friction(bench: &BenchDescription) -> f64 {
     bench.sum(|t| match *t {
-        Term::Coulomb { force } | Term::Presliding { force, .. } | Term::DirectedFriction { force, .. } => {
-            Some(force)
-        }
+        Term::Coulomb { force }
+        | Term::Presliding { force, .. }
+        | Term::DirectedFriction { force, .. }
+        | Term::Warming { force, .. } => Some(force),
         Term::Stribeck { coulomb, .. } => Some(coulomb),
         _ => None,
     })

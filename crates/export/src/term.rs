@@ -34,6 +34,17 @@ pub enum Term {
         force: f64,
         asymmetry: f64,
     },
+    /// Friction by the load, with one coefficient while driving it and another while driven by it.
+    ByPower {
+        driving: f64,
+        driven: f64,
+    },
+    /// Friction that falls by a share as its own heat warms it.
+    Warming {
+        force: f64,
+        fall: f64,
+        energy_j: f64,
+    },
     Drag {
         coefficient: f64,
     },
@@ -89,6 +100,17 @@ pub enum Term {
     OutputFriction {
         torque: f64,
     },
+    /// A constant force on the output, N or N m.
+    OutputOffset {
+        force: f64,
+    },
+    /// A spring beside the output, slack at `rest`.
+    Cable {
+        stiffness: f64,
+        rest: f64,
+    },
+    /// What a drive's bridge, supply or own loop does: the files written here begin at the current.
+    BeforeCurrent,
     Wobbling {
         mass: f64,
         radius: f64,
@@ -137,6 +159,8 @@ impl Term {
             ("direction-dependent-friction", &[force, asymmetry]) => {
                 Self::DirectedFriction { force, asymmetry }
             }
+            ("directional-efficiency", &[driving, driven]) => Self::ByPower { driving, driven },
+            ("warming-friction", &[force, fall, energy_j]) => Self::Warming { force, fall, energy_j },
             ("quadratic-drag", &[coefficient]) => Self::Drag { coefficient },
             ("torque-ripple", &[amplitude, cycles, phase]) => Self::Ripple { amplitude, cycles, phase },
             ("current-saturation", &[limit]) => Self::CommandLimit { limit },
@@ -154,6 +178,9 @@ impl Term {
             ("sensor-lag", &[cutoff_hz]) => Self::SensorLag { channel, cutoff_hz },
             ("sensor-delay", &[delay_s]) => Self::SensorDelay { channel, delay_s },
             ("output-friction", &[torque]) => Self::OutputFriction { torque },
+            ("output-offset", &[force]) => Self::OutputOffset { force },
+            ("cable-stiffness", &[stiffness, rest]) => Self::Cable { stiffness, rest },
+            ("pwm-dead-zone" | "supply-sag" | "feedback-delay", &[_]) => Self::BeforeCurrent,
             ("wobbling-mass", &[mass, radius, frequency_hz, ratio]) => {
                 Self::Wobbling { mass, radius, frequency_hz, ratio }
             }
@@ -175,7 +202,8 @@ impl Term {
         match *self {
             Self::Coulomb { force } => Some(force),
             Self::Stribeck { coulomb, at_rest, .. } => Some(coulomb.max(at_rest)),
-            Self::LoadFriction { .. } => Some(0.0),
+            Self::Warming { force, .. } => Some(force),
+            Self::LoadFriction { .. } | Self::ByPower { .. } => Some(0.0),
             Self::DirectedFriction { force, asymmetry } => Some(force * (1.0 + asymmetry.abs())),
             _ => None,
         }

@@ -58,10 +58,12 @@ fn seen() -> Excitation {
     let range =
         |name: &str, peak: f64| SignalRange { name: name.to_owned(), min: -peak, max: peak, rms: peak };
     let joints = ["shoulder", "elbow"];
+    // The peaks of `torque`: a limit that is guessed below them is reached.
     let of = |joint: &str| {
+        let peak = if joint == "elbow" { 0.8 } else { 2.5 };
         [
-            range(&format!("{joint}.torque_nm"), 2.0),
-            range(&format!("{joint}.{}", internal::MOTOR_FORCE), 2.0),
+            range(&format!("{joint}.torque_nm"), peak),
+            range(&format!("{joint}.{}", internal::MOTOR_FORCE), peak),
             range(&format!("{joint}.{}", internal::SCREW_SPEED), 5.0),
             range(&format!("{joint}.{}", internal::SCREW_POSITION), 1.0),
         ]

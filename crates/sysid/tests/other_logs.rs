@@ -57,9 +57,9 @@ fn published_logs_of_a_servo_in_json_are_read() {
         assert_eq!(run.record.time_s[0], 0.0);
         assert!((run.clock.duration_s - 6.0).abs() < 0.5, "{}: {:?}", run.record.name, run.clock.duration_s);
         // Nominally 7.4 V; it sags and is fed back into.
-        assert!(run.record.output("supply_v").unwrap().iter().all(|v| (v - 7.4).abs() < 2.5));
+        assert!(run.record.input("supply_v").unwrap().iter().all(|v| (v - 7.4).abs() < 2.5));
         let names: Vec<&str> = run.record.inputs.iter().map(|s| s.channel.as_str()).collect();
-        assert_eq!(names, ["position_rad", "enable"]);
+        assert_eq!(names, ["position_rad", "enable", "supply_v"]);
     }
     // In some of the runs the servo is released.
     let released = |run: &&sealegs_sysid::Run| run.record.input("enable").unwrap().contains(&0.0);

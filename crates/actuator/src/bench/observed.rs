@@ -1,19 +1,9 @@
 //! A bench under an observer: which measured motions it is pulled to, and what is missing at each port.
 
 use super::{Bench, BenchModel};
-use crate::plant::{Grid, Observer, Plant, Pull, ReferenceMotion, Trace, sample, smoothed};
+use crate::plant::{Grid, Observer, Plant, Pull, ReferenceMotion, Trace, observer_rate, sample, smoothed};
 use sealegs_model::{Record, Signal, internal};
 use std::sync::{Arc, Mutex};
-
-/// The observer's natural frequency over that of the rotor on its spring: fast enough that the motion is the measured
-/// one within a fraction of an oscillation, slow enough that an encoder's counts pull less than a newton.
-const FASTER: f64 = 1.5;
-
-/// The observer's greatest natural frequency times the step of the grid: beyond it an explicit pull rings.
-const FASTEST_PER_STEP: f64 = 0.15;
-
-/// The same per sampling period: a reference knows nothing between its samples.
-const FASTEST_PER_SAMPLE: f64 = 0.5;
 
 /// Smoothed measurements of records, by the records' names.
 #[derive(Debug)]
@@ -96,21 +86,17 @@ impl Observed {
         let c = model.spec.coefficients();
         // Gains follow from nominal values: they must not change while a fit moves the parameters.
         let mass = c.total_mass();
-        let most = (FASTEST_PER_STEP / grid.step_s)
-            .min(FASTEST_PER_SAMPLE / record.mean_period_s().max(grid.step_s));
-        let fast = |stiffness: f64, mass: f64| (FASTER * (stiffness / mass).sqrt()).min(most);
-        let rate = fast(c.stiffness, mass);
-        let (stiffness, damping) = (mass * rate * rate, 2.0 * mass * rate);
+        let rate = |mass: f64| observer_rate(c.stiffness, mass, grid.step_s, record.mean_period_s());
         let rotor = match self.on_grid(record, "motor_angle_rad", grid) {
-            Some(to) => Some(Pull { to, scale: plant.travel_per_rad, stiffness, damping }),
+            Some(to) => Some(Pull::on(to, plant.travel_per_rad, mass, rate(mass))),
             None => self.rotor(record, plant, arm_m).map(|to| {
                 let to = Arc::new(to.on(grid, &record.time_s));
-                Pull { to, scale: 1.0, stiffness, damping }
+                Pull::on(to, 1.0, mass, rate(mass))
             }),
         };
         let output = arm_m.zip(self.on_grid(record, "joint_angle_rad", grid)).map(|(scale, to)| {
             let mass = plant.link_2.mass_kg();
-            Pull { to, scale, stiffness: 0.0, damping: mass * fast(c.stiffness, mass) }
+            Pull { to, scale, stiffness: 0.0, damping: mass * rate(mass) }
         });
         rotor.is_some().then_some(Observer { rotor, output })
     }

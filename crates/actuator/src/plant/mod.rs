@@ -36,8 +36,8 @@ pub use friction::Sliding;
 pub use laws::Laws;
 pub use linear::Coordinates;
 pub use linearised::Linearised;
-pub(crate) use observer::pull_at;
-pub use observer::{Observer, Pull, ReferenceMotion, smoothed};
+pub use observer::pull_at;
+pub use observer::{Observer, Pull, ReferenceMotion, observer_rate, smoothed};
 pub use ports::{
     CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, Slip, SpringForce, SpringPath,
 };

@@ -34,6 +34,28 @@ impl ReferenceMotion {
         Self { position: sum(&self.position, &other.position), speed: sum(&self.speed, &other.speed) }
     }
 
+    /// The motion at the points of a grid by cubics through positions and speeds (Hermite): its acceleration is free of
+    /// the corners that straight lines have.
+    #[must_use]
+    pub fn curved(&self, grid: &Grid, time_s: &[f64]) -> Self {
+        let (mut position, mut speed) = (Vec::new(), Vec::new());
+        let mut i = 0;
+        for n in 0..=grid.steps {
+            let t = grid.time(n);
+            while i + 2 < time_s.len() && time_s[i + 1] <= t {
+                i += 1;
+            }
+            let h = time_s[i + 1] - time_s[i];
+            let u = ((t - time_s[i]) / h).clamp(0.0, 1.0);
+            let (a, b) = (self.position[i], self.position[i + 1]);
+            let (m, n) = (h * self.speed[i], h * self.speed[i + 1]);
+            let (rise, c) = (b - a, m + n - 2.0 * (b - a));
+            position.push(a + u * (m + u * (3.0 * rise - 2.0 * m - n + u * c)));
+            speed.push((m + u * (2.0 * (3.0 * rise - 2.0 * m - n) + 3.0 * u * c)) / h);
+        }
+        Self { position, speed }
+    }
+
     /// The motion at the points of a grid.
     #[must_use]
     pub fn on(&self, grid: &Grid, time_s: &[f64]) -> Self {
@@ -55,9 +77,35 @@ pub struct Pull {
     pub damping: f64,
 }
 
+/// The observer's natural frequency over that of the rotor on its spring: fast enough that the motion is the measured
+/// one within a fraction of an oscillation, slow enough that an encoder's counts pull less than a newton.
+const FASTER: f64 = 1.5;
+
+/// The observer's greatest natural frequency times the step of the grid: beyond it an explicit pull rings.
+const FASTEST_PER_STEP: f64 = 0.15;
+
+/// The same per sampling period: a reference knows nothing between its samples.
+const FASTEST_PER_SAMPLE: f64 = 0.5;
+
+/// Natural frequency of an observer of a mass (kg) on a spring (N/m), rad/s, for a step of integration and a sampling
+/// period, s.
+#[must_use]
+pub fn observer_rate(stiffness: f64, mass: f64, step_s: f64, period_s: f64) -> f64 {
+    let most = (FASTEST_PER_STEP / step_s).min(FASTEST_PER_SAMPLE / period_s.max(step_s));
+    (FASTER * (stiffness / mass).sqrt()).min(most)
+}
+
 impl Pull {
+    /// The critically damped pull of a mass, kg, at a natural frequency, rad/s.
+    #[must_use]
+    pub fn on(to: Arc<ReferenceMotion>, scale: f64, mass: f64, rate: f64) -> Self {
+        Self { to, scale, stiffness: mass * rate * rate, damping: 2.0 * mass * rate }
+    }
+
+    /// The force at point `n` of the grid, N, at a position (m) and speed (m/s).
+    #[must_use]
     #[inline]
-    fn force(&self, n: usize, (position, speed): (f64, f64)) -> f64 {
+    pub fn force(&self, n: usize, (position, speed): (f64, f64)) -> f64 {
         self.stiffness * (self.scale * self.to.position[n] - position)
             + self.damping * (self.scale * self.to.speed[n] - speed)
     }
@@ -156,7 +204,8 @@ fn parabola(m: &[f64; 5], r: &[f64; 3]) -> [f64; 2] {
 }
 
 /// [`sample`] of what an observer did, shifted to the middle of the step over which it acted.
-pub(crate) fn pull_at(values: &[f64], grid: &Grid, time_s: &[f64]) -> Vec<f64> {
+#[must_use]
+pub fn pull_at(values: &[f64], grid: &Grid, time_s: &[f64]) -> Vec<f64> {
     sample(values, grid, time_s, 0.5 * grid.step_s)
 }
 

@@ -125,6 +125,7 @@ fn bodies(o: &mut String, bench: &BenchDescription) {
             String::new()
         };
         let at = nums(&[0.0, 0.0, -length_m]);
+        let friction = friction + &cable(bench);
         // A point mass: its own moments are as good as none.
         let point = inertial(&at, mass_kg, LEAST_SHARE * mass_kg * length_m * length_m);
         let _ = writeln!(
@@ -142,6 +143,34 @@ fn bodies(o: &mut String, bench: &BenchDescription) {
         let _ = writeln!(o, "    </body>");
     }
     let _ = writeln!(o, "  </worldbody>");
+}
+
+/// A cable across the lever's joint, as attributes of the joint: with its rest as the joint's `springref`.
+fn cable(bench: &BenchDescription) -> String {
+    let cables = || {
+        bench.terms().filter_map(|(_, t)| match *t {
+            Term::Cable { stiffness, rest } if stiffness > 0.0 => Some((stiffness, rest)),
+            _ => None,
+        })
+    };
+    let total: f64 = cables().map(|(k, _)| k).sum();
+    if total == 0.0 {
+        return String::new();
+    }
+    let rest = cables().map(|(k, rest)| k * rest).sum::<f64>() / total;
+    format!(" stiffness=\"{}\" springref=\"{}\"", num(total), num(rest))
+}
+
+/// A constant torque on the lever, as an actuator that follows no control.
+fn offset(bench: &BenchDescription) -> String {
+    let torque = bench.sum(|t| if let Term::OutputOffset { force } = t { Some(*force) } else { None });
+    if torque == 0.0 {
+        return String::new();
+    }
+    let bias = nums(&[torque, 0.0, 0.0]);
+    format!(
+        "    <general name=\"output_offset\" joint=\"lever\" gainprm=\"0\" biastype=\"affine\" biasprm=\"{bias}\"/>\n"
+    )
 }
 
 fn wobbling(o: &mut String, bench: &BenchDescription) {
@@ -222,8 +251,12 @@ fn tendons(o: &mut String, bench: &BenchDescription) {
         let _ = write!(spring, " damping=\"{}\"", num(damping));
     }
     let half_gap = 0.5 * gap(bench);
+    // Without it a tendon is slack where its joints' own springs are.
+    let slack = if cable(bench).is_empty() { "" } else { " springlength=\"0\"" };
     if half_gap > 0.0 {
         let _ = write!(spring, " springlength=\"{}\"", nums(&[-half_gap, half_gap]));
+    } else {
+        spring.push_str(slack);
     }
     if bench.series().is_none() && bench.output != Output::Held {
         let _ = write!(spring, " armature=\"{}\"", num(bench.sprung_mass));
@@ -241,7 +274,7 @@ fn tendons(o: &mut String, bench: &BenchDescription) {
         }
     }
     if let (Some((stiffness, _)), Output::Pendulum { arm_m, .. }) = (bench.series(), bench.output) {
-        let spring = format!(" stiffness=\"{}\"", num(stiffness));
+        let spring = format!(" stiffness=\"{}\"{slack}", num(stiffness));
         fixed("series", &spring, &path(&[("screw_end", 1.0), ("lever", -arm_m)]));
     }
     let _ = writeln!(o, "  <tendon>\n{inner}  </tendon>");
@@ -258,6 +291,7 @@ fn drive(o: &mut String, bench: &BenchDescription) {
     for (_, term) in bench.terms() {
         o.push_str(&cogging(bench, term, "cogging", "screw"));
     }
+    o.push_str(&offset(bench));
     let _ = writeln!(o, "  </actuator>");
 }
 

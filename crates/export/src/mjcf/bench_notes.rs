@@ -25,7 +25,11 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
         let callback = |how: &str| Note::callback(id, format!("{python}: {how}"));
         notes.push(match term {
             Term::Coulomb { .. } => Note::held(id, "frictionloss of the joint 'screw'"),
-            Term::Stribeck { .. } | Term::LoadFriction { .. } | Term::DirectedFriction { .. } => {
+            Term::Stribeck { .. }
+            | Term::LoadFriction { .. }
+            | Term::ByPower { .. }
+            | Term::Warming { .. }
+            | Term::DirectedFriction { .. } => {
                 callback("sets the frictionloss of the joint 'screw' at every step")
             }
             Term::Presliding { .. } => {
@@ -64,6 +68,11 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
                 callback("Bench(model).sense(data) passes the channels through it, step by step")
             }
             Term::OutputFriction { .. } => Note::held(id, "frictionloss of the joint 'lever'"),
+            Term::OutputOffset { .. } => {
+                Note::held(id, "actuator 'output_offset', whose control does nothing")
+            }
+            Term::Cable { .. } => Note::held(id, "stiffness and springref of the joint 'lever'"),
+            Term::BeforeCurrent => Note::lost(id, "the motor of this file takes a current, not a voltage"),
             Term::Wobbling { .. } => Note::held(id, "body 'wobbling_mass' on the lever"),
             Term::Own(own) if matches!(own.acts_on.as_str(), "rotor" | "drive" | "spring" | "output") => {
                 callback("your law as a force")

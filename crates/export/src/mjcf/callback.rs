@@ -64,6 +64,9 @@ fn opening(out: &mut String, bench: &BenchDescription) {
         out.push_str("        self.clamp = model.tendon_plasticadr[model.tendon(\"clamp_slip\").id]\n");
     }
     out.push_str("        self.stages = stages()\n");
+    if warms(bench) {
+        out.push_str("        self.heat = self.heated_s = 0.0\n");
+    }
     if friction_bound(bench).is_some() || quantisation(bench).is_some() {
         out.push_str("        mujoco.set_mjcb_control(self._control)\n");
     }
@@ -97,6 +100,10 @@ fn quantisation(bench: &BenchDescription) -> Option<(f64, f64)> {
         Term::Quantisation { count, rounding } if count > 0.0 => Some((count, rounding)),
         _ => None,
     })
+}
+
+fn warms(bench: &BenchDescription) -> bool {
+    bench.terms().any(|(_, t)| matches!(t, Term::Warming { .. }))
 }
 
 fn has_passive(bench: &BenchDescription) -> bool {
@@ -203,9 +210,17 @@ fn callbacks(out: &mut String, bench: &BenchDescription) {
                 out,
                 "        speed = data.qvel[self.screw_rate]\n        pushed = data.actuator_force[0] - \
                  self.spring_force(data)\n        direction = sign(speed if abs(speed) > 1e-8 else pushed)  # noqa: \
-                 F841\n        load = lambda: self.screw_force(data)  # noqa: E731, F841\n        \
-                 model.dof_frictionloss[self.screw_rate] = {bound}"
+                 F841\n        load = lambda: self.screw_force(data)  # noqa: E731, F841"
             );
+            if warms(bench) {
+                // Every run begins cold, and Runge-Kutta asks several times within a step.
+                out.push_str(
+                    "        if data.time < self.heated_s:\n            self.heat = self.heated_s = 0.0\n        self.heat += \
+                     model.dof_frictionloss[self.screw_rate] * abs(speed) * (data.time - self.heated_s)\n        \
+                     self.heated_s = data.time\n",
+                );
+            }
+            let _ = writeln!(out, "        model.dof_frictionloss[self.screw_rate] = {bound}");
         }
     }
     if own(bench, "spring").next().is_some() {

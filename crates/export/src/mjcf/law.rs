@@ -5,7 +5,8 @@ use crate::term::{OwnLaw, Term};
 use crate::text::num;
 use std::fmt::Write;
 
-/// The bound of the rotor's dry friction as a Python expression of `speed`, `direction` and `load()`; `None` where it is
+/// The bound of the rotor's dry friction as a Python expression of `speed`, `direction`, `load()` and `self.heat`, what dry
+/// friction has made so far in J; `None` where it is
 /// a number, which MuJoCo holds itself.
 pub fn friction_bound(bench: &BenchDescription) -> Option<String> {
     let constant = bench.sum(|t| if let Term::Coulomb { force } = t { Some(*force) } else { None });
@@ -19,6 +20,17 @@ pub fn friction_bound(bench: &BenchDescription) -> Option<String> {
                 num(velocity)
             )),
             Term::LoadFriction { coefficient } => parts.push(format!("{} * abs(load())", num(coefficient))),
+            Term::ByPower { driving, driven } => parts.push(format!(
+                "({} if load() * direction > 0 else {}) * abs(load())",
+                num(driving),
+                num(driven)
+            )),
+            Term::Warming { force, fall, energy_j } => parts.push(format!(
+                "{} * (1.0 - {} * (1.0 - exp(-self.heat / {})))",
+                num(force),
+                num(fall),
+                num(energy_j)
+            )),
             Term::DirectedFriction { force, asymmetry } => {
                 parts.push(format!("{} * (1.0 + {} * direction)", num(force), num(asymmetry)));
             }

@@ -180,7 +180,7 @@ fn fitted(leg: &LegDescription, mount: &HoekensMount) -> Result<([f64; 5], f64),
 fn note(id: &str, term: &Term, bench: &BenchDescription) -> Note {
     match term {
         Term::Coulomb { .. } => Note::held(id, "frictionloss of the screw's joint"),
-        Term::Stribeck { .. } | Term::DirectedFriction { .. } => {
+        Term::Stribeck { .. } | Term::DirectedFriction { .. } | Term::Warming { .. } => {
             Note::near(id, "frictionloss of the screw's joint: its greatest bound at rest")
         }
         Term::Presliding { .. } | Term::SpringSlip { .. } => {

@@ -7,6 +7,7 @@
 //! spring setting), the fit's ratio to nominal is carried over.
 
 mod experiments;
+mod observed;
 mod parameters;
 mod predict;
 
@@ -68,6 +69,8 @@ pub struct LegModel {
     step_s: Option<f64>,
     /// Steps per sampling period where less exactness will do, see [`Model::coarser`].
     steps_per_sample: Option<f64>,
+    /// Measured motions to follow, see [`Model::observing`].
+    observed: Option<Arc<observed::Observed>>,
 }
 
 impl LegModel {
@@ -112,6 +115,7 @@ impl LegModel {
             own,
             step_s: None,
             steps_per_sample: None,
+            observed: None,
         };
         model.include_named()?;
         // What is wrong with a scenario beyond its text shows when it is put together.
@@ -336,7 +340,18 @@ impl Model for LegModel {
             (None, Some(steps)) => coarser_step(&scenario, record.mean_period_s() / steps),
             (None, None) => comparison_step(&scenario),
         };
-        predict::predict(case, &scenario, &self.placed(values), record, channels)
+        let effects = self.placed(values);
+        match &self.observed {
+            Some(observed) if observed.follows(record) => {
+                observed.predict(case, &scenario, &effects, record, channels)
+            }
+            _ => predict::predict(case, &scenario, &effects, record, channels),
+        }
+    }
+
+    fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
+        let observed = Arc::new(observed::Observed::of(&self.cases, records)?);
+        Some(Box::new(Self { observed: Some(observed), ..self.clone() }))
     }
 
     fn experiments(&self) -> Vec<Record> {

@@ -3,6 +3,7 @@
 use super::Case;
 use crate::LegError;
 use crate::channel::Channel;
+use crate::dynamics::coupling::ActuatorInstant;
 use crate::effect::Placed;
 use crate::robot::Robot;
 use crate::scenario::{MOST_STEPS, Scenario};
@@ -41,8 +42,23 @@ impl Input {
 }
 
 /// Internal signals of each actuator, which effects choose their guesses by.
-const INTERNALS: [&str; 4] =
+pub(super) const INTERNALS: [&str; 4] =
     [internal::MOTOR_FORCE, internal::SCREW_SPEED, internal::SPRING_DEFLECTION, internal::SPRING_FORCE];
+
+/// Their values at an instant, of an actuator with a travel in m/rad.
+pub(super) fn internals(a: &ActuatorInstant, travel_per_rad: f64) -> [f64; 4] {
+    [a.motor_force_n, a.rotor_speed_rad_s * travel_per_rad, a.deflection_m, a.spring_force_n]
+}
+
+/// The grid of a record's simulation.
+pub(super) fn grid(record: &Record, step_s: f64) -> Result<Grid, ModelError> {
+    let end_s = record.time_s.last().copied().unwrap_or(0.0);
+    if end_s / step_s > MOST_STEPS {
+        let reason = format!("{}: ends at {end_s:e} s, more than {MOST_STEPS:e} steps", record.name);
+        return Err(ModelError::Setup { reason });
+    }
+    Ok(Grid { start_s: 0.0, step_s, steps: (end_s / step_s - 1e-6).ceil().max(1.0) as usize })
+}
 
 /// Runs a case's scenario, already with parameter values in it, to the end of a record.
 pub(super) fn predict(
@@ -67,12 +83,7 @@ pub(super) fn predict(
     };
     let mut simulation = Simulation::with_effects(scenario, case.robot.clone(), effects).map_err(setup)?;
     let step_s = scenario.step_s;
-    let end_s = record.time_s.last().copied().unwrap_or(0.0);
-    if end_s / step_s > MOST_STEPS {
-        let reason = format!("{}: ends at {end_s:e} s, more than {MOST_STEPS:e} steps", record.name);
-        return Err(ModelError::Setup { reason });
-    }
-    let grid = Grid { start_s: 0.0, step_s, steps: (end_s / step_s - 1e-6).ceil().max(1.0) as usize };
+    let grid = grid(record, step_s)?;
     give_inputs(&mut simulation, case, record, &grid)?;
 
     let travel: Vec<f64> = simulation.leg().actuators.iter().map(|a| a.travel_per_rad).collect();
@@ -85,8 +96,7 @@ pub(super) fn predict(
                 values.push(channel.at(instant));
             }
             for (i, a) in instant.actuators.iter().enumerate() {
-                let speed = a.rotor_speed_rad_s * travel[i];
-                let now = [a.motor_force_n, speed, a.deflection_m, a.spring_force_n];
+                let now = internals(a, travel[i]);
                 for (values, value) in inside[INTERNALS.len() * i..].iter_mut().zip(now) {
                     values.push(value);
                 }

@@ -21,7 +21,9 @@ use crate::channel::Instant;
 use crate::controller::{Controller, moment_arms, share_out};
 use crate::dynamics::command::CommandLine;
 use crate::dynamics::contact::{Contact, GroundInstant};
-use crate::dynamics::coupling::{Actuator, ActuatorInstant, ActuatorPower, ActuatorStart, gravity_vector};
+use crate::dynamics::coupling::{
+    Actuator, ActuatorInstant, ActuatorPower, ActuatorStart, Reach, gravity_vector,
+};
 use crate::dynamics::drive::Servo;
 use crate::dynamics::engine::Engine;
 use crate::dynamics::stop::{StopLaw, Stops};
@@ -29,7 +31,7 @@ use crate::dynamics::tree::Tree;
 use crate::effect::{self, Build, LegSetting, Placed};
 use crate::robot::Robot;
 use crate::scenario::{Scenario, SpringStart};
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Point3, Vector3};
 use sealegs_actuator::plant::{Laws, SensorStage};
 use sealegs_model::Excitation;
 use setup::Parts;
@@ -158,7 +160,7 @@ impl Simulation {
         for (dof, s) in speed.iter().enumerate() {
             v[self.engine.column(dof)] = *s;
         }
-        self.engine.set_state(q, &v, &v);
+        self.engine.set_state(q, 0.0, &v, &v);
         for actuator in &mut self.actuators {
             actuator.start(&self.engine, 0.0, &ActuatorStart::default(), self.step_s);
         }
@@ -177,7 +179,7 @@ impl Simulation {
         for trial in [true, true, true, false] {
             let now = &v - &accelerations * (0.5 * self.step_s);
             let before = &v - &accelerations * (1.5 * self.step_s);
-            self.engine.set_state(q, &now, &before);
+            self.engine.set_state(q, 0.0, &now, &before);
             for ((actuator, load), start) in self.actuators.iter_mut().zip(loads.iter()).zip(&starts) {
                 actuator.start(&self.engine, *load, start, self.step_s);
             }
@@ -326,7 +328,7 @@ impl Simulation {
     pub(crate) fn advance_watched(&mut self, mut see: impl FnMut(&Instant)) -> Result<(), LegError> {
         let mut angles = std::mem::take(&mut self.sample.joint_angles_rad);
         angles.clone_from(&self.engine.q);
-        let base_height_m = self.engine.states[0].pose.translation.z;
+        let base_height_m = self.base_height_m();
         self.advance(false)?;
         see(&Instant {
             joint_angles_rad: &angles,
@@ -362,6 +364,39 @@ impl Simulation {
     /// What acts in an actuator beside its linear parts: the place where effects are put in.
     pub fn laws_mut(&mut self, actuator: usize) -> Option<&mut Laws> {
         self.actuators.get_mut(actuator).map(|a| &mut a.laws)
+    }
+
+    /// Path of every actuator at a pose and its velocities (of the joints and of the rail, rad and m), with the velocity of
+    /// the joint that a linkage turns and the point where the sprung mass is attached.
+    pub(crate) fn reaches_at(
+        &mut self,
+        (q, rail_m): (&[f64], f64),
+        (speed, rail_m_s): (&[f64], f64),
+    ) -> Vec<(Reach, f64, Point3<f64>)> {
+        let mut v = DVector::zeros(self.engine.coordinates());
+        for (dof, s) in speed.iter().enumerate() {
+            v[self.engine.column(dof)] = *s;
+        }
+        if let Some(column) = self.engine.rail_column() {
+            v[column] = rail_m_s;
+        }
+        self.engine.set_state(q, rail_m, &v, &v);
+        self.actuators.iter().map(|a| a.reach_of(&self.engine)).collect()
+    }
+
+    /// Height of the base's frame, m.
+    pub(crate) fn base_height_m(&self) -> f64 {
+        self.engine.states[0].pose.translation.z
+    }
+
+    /// Whether the base slides on a rail.
+    pub(crate) fn is_on_rail(&self) -> bool {
+        self.engine.rail_column().is_some()
+    }
+
+    /// The actuators as they are, with gravity (m/s^2): for a simulation of them alone.
+    pub(crate) fn actuators_mut(&mut self) -> (&mut [Actuator], Vector3<f64>) {
+        (&mut self.actuators, self.gravity)
     }
 
     /// For a benchmark: a step of the engine alone, without any of our forces.

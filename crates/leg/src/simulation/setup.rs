@@ -103,7 +103,7 @@ impl Parts {
         let gravity = -scenario.gravity_m_s2;
         let mut engine = Engine::new(&tree, base, &world_from_base, robot.dofs, gravity, scenario.step_s);
         let rest = nalgebra::DVector::zeros(engine.coordinates());
-        engine.set_state(&start_q, &rest, &rest);
+        engine.set_state(&start_q, 0.0, &rest, &rest);
 
         let mut actuators = Vec::new();
         let mut servos = Vec::new();

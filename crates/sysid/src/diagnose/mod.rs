@@ -20,6 +20,7 @@ mod nested;
 mod policy;
 mod refine;
 mod rig;
+mod scatter;
 mod screen;
 mod search;
 mod validation;

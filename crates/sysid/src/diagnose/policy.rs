@@ -72,10 +72,18 @@ policy! {
     PAIRED = 14.0;
     /// Share of what is left that a pair must promise beyond its better half.
     PAIR_WORTH = 0.1;
+    /// Single effects that are fitted from many starts with every effect at another port, where nothing is known of a base
+    /// parameter: the members of a family of laws lie close together.
+    SCATTERED = 3.0;
+    /// Greatest ratio of such a start to the stated value, up or down: what is stated without a tolerance is an order of
+    /// magnitude.
+    SCATTERED_RATIO = 10.0;
     /// Steps of a fit under the observer, which leads to the neighbourhood of the solution.
     OBSERVED_STEPS = 8.0;
     /// Steps of a fit in the search.
     STEPS = 20.0;
+    /// The same where a simulation is dear: the best of them is fitted on.
+    STEPS_DEAR = 5.0;
     /// Most steps with the model itself where derivatives are dear.
     DEAR_STEPS = 8.0;
     /// Integration steps per sampling period in the search; what it finds is fitted again with the model itself.
@@ -98,6 +106,8 @@ policy! {
     LEADERS = 2.0;
     /// The same where the leaders do not explain what is missing.
     FOLLOWERS = 8.0;
+    /// The same where a simulation is dear.
+    FOLLOWERS_DEAR = 4.0;
     /// Missing signal over its uncertainty from which on a port is said to lack something.
     PORT_FELT = 2.0;
     /// Rows of a free-form regression: more add correlated samples only.

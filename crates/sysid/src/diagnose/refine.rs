@@ -5,7 +5,9 @@
 //! fit in open loop, which alone is validated, compared and judged.
 
 use super::compare::{excess, mean_square_difference};
-use super::policy::{AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, STARTS, STEPS, STEPS_PER_SAMPLE, TRACE};
+use super::policy::{
+    AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, STARTS, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE, TRACE,
+};
 use super::screen::{Known, screen};
 use super::{Candidate, count, values_by_name, with_effects};
 use crate::Error;
@@ -71,7 +73,10 @@ impl<'a> Models<'a> {
     ///
     /// As [`fit::fit`].
     pub fn base(&mut self) -> Result<Candidate, Error> {
-        let fit = count::fit_holding(self.data, self.coarse.as_ref(), &FitOptions::of(self.exact))?;
+        let usual = FitOptions::of(self.exact);
+        let difference = if self.dear { Difference::Forward } else { usual.difference };
+        let options = FitOptions { difference, ..usual };
+        let fit = count::fit_holding(self.data, self.coarse.as_ref(), &options)?;
         self.seen = self.data.excitation(&fit.evaluation.predictions);
         let mut base = Candidate::of_base(self.data, self.coarse.as_ref(), fit);
         // Where the search's steps are the model's own there is nothing to polish.
@@ -84,9 +89,9 @@ impl<'a> Models<'a> {
         FitOptions {
             start: Some(start),
             starts: 1,
-            max_steps: STEPS as usize,
+            max_steps: if self.dear { STEPS_DEAR } else { STEPS } as usize,
             tolerance: if self.dear { ROUGH_TOLERANCE } else { TOLERANCE },
-            difference: Difference::Forward,
+            difference: if self.dear { Difference::Secant } else { Difference::Forward },
             secants: self.dear,
             columns: self.dear.then(|| near.columns()),
             held: count::held(model),
@@ -117,9 +122,7 @@ impl<'a> Models<'a> {
         let options = FitOptions {
             max_steps: steps,
             tolerance: ROUGH_TOLERANCE,
-            columns: None,
-            secants: false,
-            ..self.options(model.as_ref(), start, candidate)
+            ..under_observer(self.options(model.as_ref(), start, candidate))
         };
         let fit = fit::fit(self.data, model.as_ref(), &options).ok()?;
         Some(Candidate { model, fit, ..candidate.clone() })
@@ -133,7 +136,7 @@ impl<'a> Models<'a> {
         let options = FitOptions {
             max_steps: OBSERVED_STEPS as usize,
             tolerance: ROUGH_TOLERANCE,
-            ..self.options(model.as_ref(), start, near)
+            ..under_observer(self.options(model.as_ref(), start, near))
         };
         fit::fit(self.data, model.as_ref(), &options).ok()
     }
@@ -170,6 +173,34 @@ impl<'a> Models<'a> {
         Candidate::fitted(self.data, effects.to_vec(), model, &options).ok()
     }
 
+    /// A fit in open loop from values, of few steps.
+    #[must_use]
+    pub(super) fn followed(
+        &self,
+        model: &dyn Model,
+        values: Vec<f64>,
+        near: &Candidate,
+        steps: usize,
+    ) -> Option<Fit> {
+        let options = FitOptions { max_steps: steps, ..self.options(model, values, near) };
+        fit::fit(self.data, model, &options).ok()
+    }
+
+    /// Where the search does without derivatives, fits the lowest of some candidates on with its own.
+    pub(super) fn finish_best(&self, candidates: &mut [Candidate]) {
+        let best = candidates.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
+        let Some(best) = best.filter(|_| self.dear) else { return };
+        let (model, start) = (best.model.clone_box(), best.fit.values.clone());
+        let options = FitOptions {
+            difference: Difference::Forward,
+            max_steps: STEPS as usize,
+            ..self.options(model.as_ref(), start, best)
+        };
+        if let Ok(on) = Candidate::fitted(self.data, best.effects.clone(), model, &options) {
+            *best = on;
+        }
+    }
+
     /// The candidate with its counts looked for again nearby.
     fn tuned(&self, candidate: Candidate) -> Candidate {
         if self.dear {
@@ -180,9 +211,11 @@ impl<'a> Models<'a> {
         })
     }
 
-    /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors.
+    /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors; those of a
+    /// base model that something is missing beside are no use, and dear on a leg.
     #[must_use]
     pub fn polished(&self, candidate: &Candidate) -> Candidate {
+        let rough = self.dear && candidate.effects.is_empty();
         let polish = || -> Result<Candidate, Error> {
             let model = with_effects(self.exact, &candidate.effects, &self.seen)?;
             let usual = FitOptions::of(self.exact);
@@ -191,6 +224,7 @@ impl<'a> Models<'a> {
                 starts: 1,
                 columns: usual.secants.then(|| candidate.columns()),
                 max_steps: if self.dear { DEAR_STEPS as usize } else { usual.max_steps },
+                difference: if rough { Difference::Secant } else { usual.difference },
                 last: true,
                 ..usual
             };
@@ -207,6 +241,11 @@ impl<'a> Models<'a> {
         let left = excess(candidate.fit.error(), floor);
         candidate.fit.error() <= AT_FLOOR * floor || left <= TRACE * excess(base.fit.error(), floor)
     }
+}
+
+/// Derivatives in open loop are others than those under the observer, where simulations are cheap on a leg, too.
+fn under_observer(options: FitOptions) -> FitOptions {
+    FitOptions { columns: None, secants: false, difference: Difference::Forward, ..options }
 }
 
 /// The same values with the nominal ones of the base model's free parameters: beside a missing effect a fit drives them

@@ -3,8 +3,8 @@
 
 use super::compare::{clearly_better, excess, gain};
 use super::policy::{
-    AT_FLOOR, EXPLAINED, FOLLOWERS, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR, RIVAL_COST, STARTS,
-    STARTS_DEAR, STEP_SHARE, TIED_COST,
+    AT_FLOOR, EXPLAINED, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR,
+    RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, TIED_COST,
 };
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -69,18 +69,69 @@ impl Search<'_> {
 
     /// Fits what screening promises beside a set; the indices.
     fn grown(&mut self, from: usize) -> Vec<usize> {
-        let (screened, sensors) = self.screened(from);
+        let (screened, open) = self.screened(from);
         if from == 0 {
             self.promises.clone_from(&screened.promises);
         }
         let noise = 0.5 * self.models.data.floor.powi(2) * self.tried[from].validation.residuals as f64;
         let left = (self.tried[from].fit.cost - noise).max(0.0);
         let plans = screened.plans(left);
-        self.fit_all(from, plans, sensors)
+        let sure = open.promises.iter().take(OPEN_LOOP).cloned().collect();
+        let mut fitted = self.fit_all(from, plans, sure);
+        let least = fitted
+            .iter()
+            .copied()
+            .reduce(|a, b| if self.tried[b].fit.cost < self.tried[a].fit.cost { b } else { a });
+        if self.models.is_worth_scattering(&self.tried[least.unwrap_or(from)]) {
+            fitted.extend(self.scattered(from, &fitted));
+        }
+        fitted
+    }
+
+    /// Fits pairs beside a set from many starts: the best single effects, each with every effect at another port; the
+    /// indices. Fitted values may have taken the place of either, so that screening beside them promises nothing.
+    fn scattered(&mut self, from: usize, fitted: &[usize]) -> Vec<usize> {
+        let near = self.tried[from].clone();
+        let mut leaders: Vec<usize> = fitted.to_vec();
+        leaders.retain(|&i| self.tried[i].effects.len() == near.effects.len() + 1);
+        leaders.sort_by(|&a, &b| self.tried[a].fit.cost.total_cmp(&self.tried[b].fit.cost));
+        leaders.truncate(SCATTERED as usize);
+        let cards = self.models.exact.effects(&self.models.seen);
+        let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
+        let mut sets: Vec<(Vec<String>, Known)> = Vec::new();
+        for &leader in &leaders {
+            let leader = &self.tried[leader];
+            let own: Vec<_> = leader.effects.iter().filter(|e| !near.effects.contains(e)).collect();
+            for other in self.admitted.iter().filter(|id| !leader.effects.contains(id)) {
+                if own.iter().all(|e| port(e) != port(other)) {
+                    // Alone an effect's values are bent by what is missing beside it: it starts from its guess.
+                    sets.push((self.set_with(leader, std::slice::from_ref(other)), near.known()));
+                }
+            }
+        }
+        (self.progress)(Progress::Fitting { sets: sets.iter().map(|(set, _)| set.clone()).collect() });
+        let mut indices = Vec::new();
+        for fitted in self.models.scattered(&near, &sets) {
+            let known = self.tried.iter().position(|t| t.effects == fitted.effects);
+            let index = known.unwrap_or(self.tried.len());
+            if known.is_none() {
+                self.tried.push(fitted);
+            } else if fitted.fit.cost < self.tried[index].fit.cost {
+                self.tried[index] = fitted;
+            }
+            indices.push(index);
+        }
+        indices
+    }
+
+    /// A candidate's effects with others, in the catalogue's order.
+    fn set_with(&self, near: &Candidate, added: &[String]) -> Vec<String> {
+        let chosen = |id: &String| near.effects.contains(id) || added.contains(id);
+        self.admitted.iter().filter(|id| chosen(id)).cloned().collect()
     }
 
     /// What screening finds beside a set under the observer; and what it finds in open loop, where simulations are cheap.
-    fn screened(&self, from: usize) -> (Screened, Vec<Promise>) {
+    fn screened(&self, from: usize) -> (Screened, Screened) {
         let (models, candidate) = (&self.models, &self.tried[from]);
         (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
         let starts = if models.dear { STARTS_DEAR } else { STARTS } as usize;
@@ -90,14 +141,13 @@ impl Search<'_> {
             screen(models.data, beside, &models.seen, cards, starts)
         };
         let Some(beside) = models.observing(candidate, &known) else {
-            return (at(candidate, &cards), Vec::new());
+            return (at(candidate, &cards), Screened::default());
         };
         let screened = at(&beside, &cards);
-        if models.dear {
-            return (screened, Vec::new());
-        }
-        let mut open = at(candidate, &cards).promises;
-        open.truncate(OPEN_LOOP);
+        // On a leg a simulation in open loop is dear: only what the observer cannot see is looked at there.
+        let felt = |c: &EffectCard| screened.promises.iter().any(|p| p.effect == c.id);
+        let unseen: Vec<EffectCard> = cards.iter().filter(|c| !models.dear || !felt(c)).cloned().collect();
+        let open = at(candidate, &unseen);
         (screened, open)
     }
 
@@ -105,10 +155,7 @@ impl Search<'_> {
     /// indices of all that were. `sure` plans are fitted in open loop unless nothing is left by then.
     fn fit_all(&mut self, from: usize, plans: Vec<Plan>, sure: Vec<Promise>) -> Vec<usize> {
         let near = &self.tried[from];
-        let with = |added: &[String]| -> Vec<String> {
-            let chosen = |id: &String| near.effects.contains(id) || added.contains(id);
-            self.admitted.iter().filter(|id| chosen(id)).cloned().collect()
-        };
+        let with = |added: &[String]| self.set_with(near, added);
         let job = |added: &[String], start: Known| -> (Vec<String>, Known) {
             (with(added), near.known().into_iter().chain(start).collect())
         };
@@ -140,15 +187,20 @@ impl Search<'_> {
         };
         let leaders = (LEADERS as usize).min(ranked.len());
         let mut fitted = wave(&ranked[..leaders]);
+        self.models.finish_best(&mut fitted);
         let settled = fitted.iter().any(|c| models.is_settled(c, &self.tried[0]));
         let mut rest: Vec<_> = ranked.drain(leaders..).collect();
         if settled {
             rest.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
         } else {
-            rest.truncate(FOLLOWERS as usize);
+            rest.truncate(if self.models.dear { FOLLOWERS_DEAR } else { FOLLOWERS } as usize);
             rest.extend(sure.into_iter().map(|(set, known)| (set, known, None)));
         }
-        fitted.extend(wave(&rest));
+        let mut rest = wave(&rest);
+        if !settled {
+            self.models.finish_best(&mut rest);
+        }
+        fitted.extend(rest);
         self.tried.extend(fitted);
         known.into_iter().chain(first..self.tried.len()).collect()
     }

@@ -1,11 +1,12 @@
 //! One actuator of the leg: spring, rotor and sprung mass between two links.
 
+use super::links::{KnownLinks, Links};
 use super::path::{Path, Reach};
 use super::rotor::{Rotor, RotorStep};
 use super::screw_end::{ScrewEnd, ScrewEndStep};
 use crate::dynamics::engine::Engine;
 use nalgebra::{Point3, Vector3};
-use sealegs_actuator::plant::{Laws, SeriesCompliance};
+use sealegs_actuator::plant::{Laws, Pull, SeriesCompliance};
 use sealegs_actuator::{Coefficients, Configuration};
 
 /// One actuator in the leg. See the [module](super) for the equations.
@@ -40,6 +41,8 @@ pub(crate) struct Actuator {
     pub(super) direction_before: Vector3<f64>,
     /// Force in the screw at the last step, N.
     pub(super) load_n: f64,
+    /// What pulls the rotor to a measured motion, and the force of it over the last step, N.
+    pub(super) pull: Option<(Pull, f64)>,
     /// What was applied in this step, until it is completed after it.
     pub(super) applied: Applied,
 }
@@ -120,6 +123,7 @@ impl Actuator {
             direction_before: reach.direction,
             reach,
             load_n: 0.0,
+            pull: None,
             applied: Applied::default(),
         }
     }
@@ -153,10 +157,10 @@ impl Actuator {
 
     /// The link's point whose acceleration the sprung mass feels: link 2 for a sprung motor housing on a
     /// rod, link 1 for a sprung ball nut, and always link 1 for a linkage.
-    fn attachment_now(&self) -> Point3<f64> {
+    fn attachment_at(&self, reach: &Reach) -> Point3<f64> {
         match (&self.path, self.coefficients.configuration) {
-            (Path::Rod { .. }, Configuration::SprungMotorHousing) => self.reach.ends[1],
-            _ => self.reach.ends[0],
+            (Path::Rod { .. }, Configuration::SprungMotorHousing) => reach.ends[1],
+            _ => reach.ends[0],
         }
     }
 
@@ -187,7 +191,7 @@ impl Actuator {
         self.length_acceleration = start.length;
         self.load_n = spring_n;
         self.direction_before = self.reach.direction;
-        let now = self.attachment_now();
+        let now = self.attachment_at(&self.reach);
         let body = match (&self.path, self.coefficients.configuration) {
             (Path::Rod { end_2, .. }, Configuration::SprungMotorHousing) => end_2.0,
             (Path::Rod { end_1, .. }, _) => end_1.0,
@@ -203,9 +207,9 @@ impl Actuator {
     }
 
     /// Puts the actuator's forces on the bodies and advances its rotor by a step.
-    pub fn apply(
+    pub fn apply<L: Links>(
         &mut self,
-        engine: &mut Engine,
+        links: &mut L,
         current_a: f64,
         gravity: &Vector3<f64>,
         time_s: f64,
@@ -230,11 +234,15 @@ impl Actuator {
         }
         self.deflection_before_m = deflection;
         let motor = self.laws.limited_force(c.force_constant * current_a, speed);
-        let push = motor + self.laws.rotor_force(self.rotor.y_m, speed, self.load_n, time_s);
+        let mut push = motor + self.laws.rotor_force(self.rotor.y_m, speed, self.load_n, time_s);
+        if let Some((pull, force)) = &mut self.pull {
+            *force = pull.force((time_s / step_s).round() as usize, (self.rotor.y_m, speed));
+            push += *force;
+        }
         let felt = self.reach.direction.dot(&(self.acceleration - gravity));
         let y_m = self.rotor.y_m;
         let (on_1, on_2, rotor) = match (self.screw_end.take(), c.configuration, &self.path) {
-            (Some(end), ..) => self.apply_with_screw_end(end, engine, push, spring, felt, step_s),
+            (Some(end), ..) => self.apply_with_screw_end(end, links, push, spring, felt, step_s),
             (None, Configuration::Lumped, _) => self.apply_lumped(push, spring, speed, step_s),
             (None, Configuration::SprungMotorHousing, Path::Rod { .. }) => {
                 let force = push - spring + c.sprung_mass * felt;
@@ -247,9 +255,9 @@ impl Actuator {
                 (spring + c.sprung_mass * step.acceleration, spring, step)
             }
             (None, Configuration::SprungMotorHousing, Path::Crank { dof, .. }) => {
-                let joint_speed = engine.joint_velocity(*dof);
+                let joint_speed = links.joint_velocity(*dof);
                 let turning = self.reach.arm.arm_slope_m * joint_speed * joint_speed;
-                engine.set_armature(*dof, c.sprung_mass * self.reach.arm.arm_m.powi(2));
+                links.set_armature(*dof, c.sprung_mass * self.reach.arm.arm_m.powi(2));
                 let force = push - spring + c.sprung_mass * (self.length_acceleration + felt);
                 let step = self.advance_rotor(force, step_s);
                 // The joint's own acceleration times the arm is in the armature.
@@ -259,7 +267,34 @@ impl Actuator {
             }
         };
         self.applied = Applied { motor_n: motor, spring_n: spring, deflection_m: deflection, y_m, rotor };
-        self.path.push(engine, &self.reach, on_1, on_2);
+        links.push(&self.path, &self.reach, on_1, on_2);
+    }
+
+    /// Goes on along links whose motion is known, from the state in which it is: their pose may differ a little from that
+    /// in which the actuator was started. A pull moves the rotor to a measured motion.
+    pub fn follow(&mut self, links: &KnownLinks, pull: Option<Pull>) {
+        let [now, next] = [links.path.reaches[0], links.path.reaches[1]];
+        let (at, then) = (self.attachment_at(&now), self.attachment_at(&next));
+        self.attachment = [at - (then - at), at];
+        self.lengths_m = [2.0 * now.length_m - next.length_m, now.length_m];
+        (self.reach, self.direction_before) = (now, now.direction);
+        self.pull = pull.map(|pull| (pull, 0.0));
+    }
+
+    /// Force of the pull over the last step, N.
+    pub fn pulled_n(&self) -> f64 {
+        self.pull.as_ref().map_or(0.0, |(_, force)| *force)
+    }
+
+    /// The path at the engine's present pose, the velocity of the joint that a linkage turns, rad/s, and where the sprung
+    /// mass is attached.
+    pub fn reach_of(&self, engine: &Engine) -> (Reach, f64, Point3<f64>) {
+        let speed = match &self.path {
+            Path::Crank { dof, .. } => engine.joint_velocity(*dof),
+            Path::Rod { .. } => 0.0,
+        };
+        let reach = self.path.reach(engine);
+        (reach, speed, self.attachment_at(&reach))
     }
 
     fn advance_rotor(&mut self, force: f64, step_s: f64) -> RotorStep {
@@ -287,9 +322,9 @@ impl Actuator {
     }
 
     /// Completes the step with the links' motion, which the engine has found by now: load cells and work.
-    pub fn complete(
+    pub fn complete<L: Links>(
         &mut self,
-        engine: &Engine,
+        links: &L,
         current_a: f64,
         gravity: &Vector3<f64>,
         step_s: f64,
@@ -298,9 +333,9 @@ impl Actuator {
         let c = self.coefficients;
         let was = self.reach;
         let Applied { motor_n, spring_n, deflection_m, y_m, rotor } = self.applied;
-        self.reach = self.path.reach(engine);
+        self.reach = links.reach(&self.path);
         let [before, now] = self.attachment;
-        let next = self.attachment_now();
+        let next = self.attachment_at(&self.reach);
         self.acceleration = ((next - now) - (now - before)) / (step_s * step_s);
         let velocity = (next - before) / (2.0 * step_s);
         self.attachment = [now, next];
@@ -309,6 +344,9 @@ impl Actuator {
         self.length_acceleration = ((next - now) - (now - before)) / (step_s * step_s);
         let length_rate = (next - before) / (2.0 * step_s);
         self.lengths_m = [now, next];
+        if let Some(known) = links.known_accelerations() {
+            (self.acceleration, self.length_acceleration) = known;
+        }
 
         let lumped = self.is_lumped();
         let end = self.screw_end.as_ref().map(|end| end.step).unwrap_or_default();

@@ -30,12 +30,15 @@
 
 mod actuator;
 mod curve;
+mod links;
 mod path;
 mod rotor;
 mod screw_end;
 
 pub use actuator::ActuatorInstant;
 pub(crate) use actuator::{Actuator, ActuatorPower, ActuatorStart};
+pub(crate) use links::{KnownLinks, KnownPath};
+pub(crate) use path::Reach;
 pub(crate) use screw_end::carries_series;
 
 use crate::dynamics::engine::Engine;

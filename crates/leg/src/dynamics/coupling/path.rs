@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 /// How length follows from the pose, and what a force along it does to the bodies.
 #[derive(Debug, Clone)]
-pub(super) enum Path {
+pub(crate) enum Path {
     /// A rod between two points of two bodies (each in its body's frame).
     Rod {
         /// Body and point of link 1.
@@ -39,7 +39,7 @@ pub(super) enum Path {
 
 /// The path at one pose.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reach {
+pub(crate) struct Reach {
     /// Length, m.
     pub length_m: f64,
     /// Rate of the length at the extrapolated velocities, m/s.

@@ -19,9 +19,9 @@
 //! is taken as what it would be without `F_2` (one step late) and what `F_2` adds to it at this instant.
 
 use super::actuator::Actuator;
+use super::links::Links;
 use super::path::Path;
 use super::rotor::RotorStep;
-use crate::dynamics::engine::Engine;
 use sealegs_actuator::Configuration;
 use sealegs_actuator::plant::SeriesCompliance;
 
@@ -164,10 +164,10 @@ impl Actuator {
 
     /// A sprung motor housing whose screw ends on a compliance, which was taken out of it and comes back here; `felt` is
     /// what its attachment felt one step ago.
-    pub(super) fn apply_with_screw_end(
+    pub(super) fn apply_with_screw_end<L: Links>(
         &mut self,
         mut end: ScrewEnd,
-        engine: &mut Engine,
+        links: &mut L,
         push: f64,
         spring_n: f64,
         felt: f64,
@@ -177,7 +177,7 @@ impl Actuator {
         let moving = sprung_mass + end.compliance.mass;
         let carrier = match &self.path {
             Path::Rod { end_2, .. } => {
-                let mobility = engine.mobility(end_2.0, &self.reach.ends[1], &self.reach.direction);
+                let mobility = links.mobility(end_2.0, &self.reach.ends[1], &self.reach.direction);
                 // What the engine carries of the moving masses is taken off.
                 let relieved = (1.0 - moving * mobility).max(LEAST_LINK);
                 Carrier {
@@ -196,8 +196,8 @@ impl Actuator {
         let (on_1, on_2) = match &self.path {
             Path::Rod { .. } => (spring_n, force_n + moving * end.step.carrier),
             Path::Crank { dof, .. } => {
-                engine.set_armature(*dof, sprung_mass * self.reach.arm.arm_m.powi(2));
-                let joint_speed = engine.joint_velocity(*dof);
+                links.set_armature(*dof, sprung_mass * self.reach.arm.arm_m.powi(2));
+                let joint_speed = links.joint_velocity(*dof);
                 let turning = self.reach.arm.arm_slope_m * joint_speed * joint_speed;
                 let unsprung = end.compliance.mass * end.step.carrier;
                 let on_2 = force_n + unsprung + sprung_mass * (self.length_acceleration - turning);

@@ -140,12 +140,12 @@ impl Engine {
         self.rail.then_some(0)
     }
 
-    /// Moves the joints to `q` (and the carriage back to where it was built) and gives the generalised velocity `now`, with `before` as that of the step
-    /// before (both in the engine's order): see the module's text on the leapfrog.
-    pub fn set_state(&mut self, q: &[f64], now: &DVector<f64>, before: &DVector<f64>) {
+    /// Moves the joints to `q` and the carriage to `rail_m` over where it was built, and gives the generalised velocity
+    /// `now`, with `before` as that of the step before (both in the engine's order): see the module's text on the leapfrog.
+    pub fn set_state(&mut self, q: &[f64], rail_m: f64, now: &DVector<f64>, before: &DVector<f64>) {
         let mut displacement = vec![0.0; self.coordinates()];
         if let Some(column) = self.rail_column() {
-            displacement[column] = -self.rail_m;
+            displacement[column] = rail_m - self.rail_m;
         }
         for (dof, &column) in self.columns.iter().enumerate() {
             displacement[column] = q[dof] - self.q[dof];

@@ -1,0 +1,171 @@
+//! Fits from many starts, where nothing is known of a base parameter.
+//!
+//! A slow sensor beside a damping that can imitate it, or friction beside a part that rings, leaves an error of many
+//! local minima, and no single start leads to the lowest one. Of many evenly spread starts the most promising are
+//! followed, ever fewer of them for ever more steps.
+
+use super::Candidate;
+use super::policy::{EXPLAINED, SCATTERED_RATIO};
+use super::refine::{Models, with_nominal_base};
+use super::screen::Known;
+use super::{values_by_name, with_effects};
+use rayon::prelude::*;
+use sealegs_model::{Model, Parameter, Scale};
+
+/// How many places are followed, of each set and of all together, and for how many steps.
+const ROUNDS: [(usize, usize, usize); 3] = [(12, 240, 2), (4, 48, 4), (2, 8, 20)];
+
+/// Starts of each set: four for each of the some twelve parameters that are spread at most.
+const STARTS: u32 = 48;
+
+/// Greatest ratio of a start to the best place that was found, up or down, about which there may be a lower one.
+const NEARBY_RATIO: f64 = 2.0;
+
+/// Bases of the sequence that fills the space of starts evenly (Halton 1960), one for each parameter.
+const BASES: [u32; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+
+/// Where a set has been followed to.
+struct Place {
+    set: usize,
+    values: Vec<f64>,
+    cost: f64,
+}
+
+impl Models<'_> {
+    /// Whether a set is worth many starts: much is left, and nothing is known of a base parameter.
+    #[must_use]
+    pub fn is_worth_scattering(&self, best: &Candidate) -> bool {
+        !self.dear
+            && best.fit.error() > EXPLAINED * self.data.floor
+            && self.exact.parameters().iter().any(is_unknown)
+    }
+
+    /// Fits of sets, each from the best of many starts; sets that cannot be simulated are left out.
+    #[must_use]
+    pub fn scattered(&self, near: &Candidate, sets: &[(Vec<String>, Known)]) -> Vec<Candidate> {
+        let models: Vec<Option<Box<dyn Model>>> =
+            sets.iter().map(|(set, _)| with_effects(self.coarse.as_ref(), set, &self.seen).ok()).collect();
+        let own = self.exact.parameters().len();
+        let around = |places: Vec<Place>, ratio: f64| -> Vec<Place> {
+            let starts: Vec<(usize, Vec<f64>)> = places
+                .iter()
+                .filter_map(|place| Some((place.set, models[place.set].as_deref()?, &place.values)))
+                .flat_map(|(set, model, values)| {
+                    starts(model, own, values, ratio).into_iter().map(move |s| (set, s))
+                })
+                .collect();
+            let looked = starts.into_par_iter().filter_map(|(set, values)| {
+                let cost = self.data.evaluate(models[set].as_deref()?, &values).ok()?.cost;
+                Some(Place { set, values, cost })
+            });
+            let mut all: Vec<Place> = looked.collect();
+            all.extend(places);
+            for (of_each, of_all, steps) in ROUNDS {
+                all = most_promising(all, sets.len(), of_each, of_all)
+                    .into_par_iter()
+                    .filter_map(|Place { set, values, .. }| {
+                        let fit = self.followed(models[set].as_deref()?, values, near, steps)?;
+                        Some(Place { set, cost: fit.cost, values: fit.values })
+                    })
+                    .collect();
+            }
+            all
+        };
+        let stated = sets.iter().enumerate().filter_map(|(set, (_, known))| {
+            let known = with_nominal_base(self.exact, known);
+            let values = values_by_name(models[set].as_deref()?, &known);
+            Some(Place { set, values, cost: f64::INFINITY })
+        });
+        let wide = around(stated.collect(), SCATTERED_RATIO);
+        let best = most_promising(wide, sets.len(), 1, usize::MAX);
+        let leader = best.iter().take(1).map(|p| Place { values: p.values.clone(), ..*p }).collect();
+        let near_leader = around(leader, NEARBY_RATIO);
+        most_promising(near_leader.into_iter().chain(best).collect(), sets.len(), 1, usize::MAX)
+            .into_par_iter()
+            .filter_map(|place| {
+                let parameters = models[place.set].as_deref()?.parameters();
+                let known: Known =
+                    parameters.iter().map(|p| p.name.clone()).zip(place.values.iter().copied()).collect();
+                self.fitted_near(near, &sets[place.set].0, &known)
+            })
+            .collect()
+    }
+}
+
+/// Values all over a range about those of a place: of what nothing is known, up to a ratio up and down.
+fn starts(model: &dyn Model, own: usize, about: &[f64], ratio: f64) -> Vec<Vec<f64>> {
+    let parameters = model.parameters();
+    let spread: Vec<usize> =
+        (0..parameters.len()).filter(|&i| spreads(&parameters[i], i < own)).take(BASES.len()).collect();
+    let start = |n: u32| {
+        let mut values = about.to_vec();
+        for (&i, &base) in spread.iter().zip(&BASES) {
+            let p = &parameters[i];
+            let times = ratio.powf(2.0 * radical_inverse(n, base) - 1.0);
+            values[i] = (about[i] * times).clamp(p.min, p.max);
+        }
+        values
+    };
+    (1..=STARTS).map(start).collect()
+}
+
+/// The places of lowest cost, so many of each set and of all together.
+fn most_promising(mut places: Vec<Place>, sets: usize, of_each: usize, of_all: usize) -> Vec<Place> {
+    places.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let mut taken = vec![0; sets];
+    places.retain(|place| {
+        taken[place.set] += 1;
+        taken[place.set] <= of_each
+    });
+    places.truncate(of_all);
+    places
+}
+
+/// Whether nothing is known of a parameter but an order of magnitude.
+fn is_unknown(p: &Parameter) -> bool {
+    !p.fixed && p.prior_std.is_none() && p.scale == Scale::Logarithmic
+}
+
+/// Whether the starts differ in a parameter: one of which nothing is known, or a positive one of an effect.
+fn spreads(p: &Parameter, of_base: bool) -> bool {
+    let periodic = p.starts.len() > 1 && p.scale == Scale::Linear && p.neutral.is_none();
+    !p.fixed && p.value > 0.0 && p.prior_std.is_none() && if of_base { is_unknown(p) } else { !periodic }
+}
+
+/// The digits of a number in a base, mirrored at the point: between 0 and 1.
+fn radical_inverse(mut number: u32, base: u32) -> f64 {
+    let (mut place, mut inverse) = (1.0, 0.0);
+    while number > 0 {
+        place /= f64::from(base);
+        inverse += place * f64::from(number % base);
+        number /= base;
+    }
+    inverse
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn starts_fill_the_range_evenly() {
+        let count = STARTS;
+        for base in BASES {
+            let mut all: Vec<f64> = (1..=count).map(|n| radical_inverse(n, base)).collect();
+            all.sort_by(f64::total_cmp);
+            let widest = all.windows(2).map(|w| w[1] - w[0]).fold(all[0], f64::max);
+            let last = all[all.len() - 1];
+            assert!(all[0] > 0.0 && last < 1.0 && widest < 3.0 / f64::from(count.min(base)));
+        }
+        assert_eq!([1, 2, 3].map(|n| radical_inverse(n, 2)), [0.5, 0.25, 0.75]);
+    }
+
+    #[test]
+    fn the_most_promising_places_are_followed_of_every_set() {
+        let place = |set: usize, cost: f64| Place { set, values: Vec::new(), cost };
+        let places = vec![place(0, 3.0), place(0, 1.0), place(0, 2.0), place(1, 9.0)];
+        let kept: Vec<(usize, f64)> =
+            most_promising(places, 2, 2, 9).iter().map(|p| (p.set, p.cost)).collect();
+        assert_eq!(kept, [(0, 1.0), (0, 2.0), (1, 9.0)]);
+    }
+}
