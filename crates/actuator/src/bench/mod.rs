@@ -486,11 +486,7 @@ impl Model for BenchModel {
     }
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
-        // The observer's gains follow from the spring, which such a drive lacks.
-        if self.spec.is_rigid() {
-            return None;
-        }
-        let observed = observed::Observed::of(records)?;
+        let observed = observed::Observed::of(records, self.spec.is_rigid())?;
         Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }
 

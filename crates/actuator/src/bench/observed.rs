@@ -24,10 +24,21 @@ const SPRING: [(&str, bool); 5] = [
     ("spring_torque_nm", true),
 ];
 
+/// Channels that tell where the output of a drive without a spring is.
+const OUTPUT: [&str; 3] = ["position_m", "joint_angle_rad", "motor_angle_rad"];
+
+/// Natural frequency of the observer of a drive without a spring times the sampling period: it finds the missing force up
+/// to a thirtieth of the sampling rate, and an encoder's counts pull a fraction of it.
+const RIGID_RATE: f64 = 0.2;
+
 impl Observed {
-    /// The motions that these records measured; `None` if one measured neither rotor nor spring.
-    pub fn of(records: &[&Record]) -> Option<Self> {
-        let tells = |name: &str| name == "motor_angle_rad" || SPRING.iter().any(|(s, _)| *s == name);
+    /// The motions that these records measured; `None` if one measured neither rotor nor spring, or of a drive without a
+    /// spring (`rigid`) no position.
+    pub fn of(records: &[&Record], rigid: bool) -> Option<Self> {
+        let of_spring = |name: &str| SPRING.iter().any(|(s, _)| *s == name);
+        let tells = |name: &str| {
+            if rigid { OUTPUT.contains(&name) } else { name == "motor_angle_rad" || of_spring(name) }
+        };
         let runs = records
             .iter()
             .map(|record| {
@@ -73,6 +84,12 @@ impl Observed {
         }
     }
 
+    /// The measured output of a drive without a spring: its channel and m per unit of it.
+    fn output(&self, record: &Record, plant: &Plant, arm_m: f64) -> Option<(&'static str, f64)> {
+        let scales = [1.0, arm_m, plant.travel_per_rad];
+        OUTPUT.into_iter().zip(scales).find(|(name, _)| self.channel(record, name).is_some())
+    }
+
     /// The observer of a record's simulation; `None` if it has no motion to follow.
     pub fn observer(
         &self,
@@ -86,6 +103,12 @@ impl Observed {
         let c = model.spec.coefficients();
         // Gains follow from nominal values: they must not change while a fit moves the parameters.
         let mass = c.total_mass();
+        if let Some(load) = plant.rigid {
+            let (channel, scale) = self.output(record, plant, model.bench_of(&record.name).arm_m())?;
+            let rate = RIGID_RATE / record.mean_period_s().max(grid.step_s);
+            let pull = Pull::on(self.on_grid(record, channel, grid)?, scale, mass + load.mass_kg(), rate);
+            return Some(Observer { rotor: Some(pull), output: None });
+        }
         let rate = |mass: f64| observer_rate(c.stiffness, mass, grid.step_s, record.mean_period_s());
         let rotor = match self.on_grid(record, "motor_angle_rad", grid) {
             Some(to) => Some(Pull::on(to, plant.travel_per_rad, mass, rate(mass))),
@@ -112,6 +135,15 @@ impl Observed {
         }
         let (grid, time_s) = (&trace.grid, &record.time_s);
         let at = |values: &[f64]| sample(values, grid, time_s, 0.0);
+        let signal = |port: &str, values| Signal { channel: format!("{}{port}", internal::MISSING), values };
+        if plant.rigid.is_some() {
+            let Some((channel, scale)) = self.output(record, plant, arm_m) else { return Vec::new() };
+            let speed = self.channel(record, channel).map_or(&[][..], |m| &m.speed);
+            let v = at(&trace.screw_speed);
+            let pull = crate::plant::pull_at(&trace.rotor_pull, grid, time_s);
+            let damped = speed.iter().zip(&v).map(|(to, v)| plant.damping * (scale * to - v));
+            return vec![signal("rotor", pull.iter().zip(damped).map(|(p, d)| p + d).collect())];
+        }
         let arm = (!trace.link_2_position.is_empty()).then_some(arm_m);
         let Some(reference) = self.rotor(record, plant, arm) else { return Vec::new() };
         let (y, v) = (at(&trace.screw_position), at(&trace.screw_speed));
@@ -127,7 +159,6 @@ impl Observed {
             rotor.push(pull[i] + damped + if has_encoder { beyond } else { lag });
             spring.push(beyond - lag);
         }
-        let signal = |port: &str, values| Signal { channel: format!("{}{port}", internal::MISSING), values };
         let mut ports = vec![signal("rotor", rotor)];
         if measured.is_some() && has_encoder {
             ports.push(signal("spring", spring));

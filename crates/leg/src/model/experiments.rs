@@ -14,7 +14,7 @@ const HIGHEST_DROP_M: f64 = 0.15;
 const DRIVES: [(f64, f64); 3] = [(0.15, 0.5), (0.1, 2.0), (0.04, 6.0)];
 
 /// Seconds of a run in which a joint is driven.
-const DRIVEN_S: f64 = 4.0;
+const DRIVEN_S: f64 = 2.0;
 
 /// What to do, and the scenario of it. Nothing leaves the joints' limits.
 pub(super) fn variants(scenario: &Scenario, robot: &Robot) -> Vec<(String, Scenario)> {

@@ -81,6 +81,8 @@ impl Observed {
         channels: &[String],
     ) -> Result<Prediction, ModelError> {
         let setup = |e: crate::LegError| ModelError::Setup { reason: e.to_string() };
+        // What is followed is the record that was given then, not one that is compared now.
+        let record = self.records.iter().find(|r| r.name == record.name).unwrap_or(record);
         let mut simulation =
             Simulation::with_effects(scenario, case.robot.clone(), effects).map_err(setup)?;
         let grid = predict::grid(record, scenario.step_s)?;

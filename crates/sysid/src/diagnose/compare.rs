@@ -2,7 +2,7 @@
 
 use super::Candidate;
 use super::policy::{
-    MOST_OPPOSED, WORTH_PER_PARAMETER, WORTH_SHARE, WORTH_SHARE_FITTED, WORTH_SQUARED_NOISE,
+    MOST_MEMORY, MOST_OPPOSED, WORTH_PER_PARAMETER, WORTH_SHARE, WORTH_SHARE_FITTED, WORTH_SQUARED_NOISE,
 };
 use crate::data::Evaluation;
 
@@ -45,7 +45,10 @@ pub fn clearly_better(worse: &Candidate, better: &Candidate, floor: f64) -> bool
     // Left-out stretches are foreseen by one linear step: where that is rough, what fits no better is no better.
     let fitted = 2.0 * (worse.fit.cost - better.fit.cost);
     let left = (2.0 * worse.fit.cost - floor * floor * residuals).max(0.0);
-    fitted >= WORTH_PER_PARAMETER * extra * better.validation.mean_square().max(1.0)
+    // What stays remembers: its samples are worth far less than their number, as they are for standard errors.
+    let memory =
+        better.fit.std_inflation.powi(2).clamp(1.0, MOST_MEMORY * better.validation.mean_square().max(1.0));
+    fitted >= WORTH_PER_PARAMETER * extra * memory.max(better.validation.mean_square())
         && fitted >= WORTH_SHARE_FITTED * left
 }
 

@@ -2,6 +2,7 @@
 //! most, after each of them has been allowed to refit its parameters within what is known of them.
 
 use super::excitations::library;
+use super::policy::SCREEN_STEPS_PER_SAMPLE;
 use super::rig::{Rig, Trial};
 use super::{Candidate, Diagnosis, VerdictKind};
 use crate::data::Data;
@@ -14,8 +15,8 @@ const MOST_RIVALS: usize = 3;
 /// Excitations that are examined with refitted parameters, out of those that differ most without.
 const EXAMINED: usize = 4;
 
-/// The same where each run simulates a whole leg and sets are tied; where there is only something to confirm, one is.
-const EXAMINED_RUNS: usize = 2;
+/// The same where each run simulates a whole leg.
+const EXAMINED_RUNS: usize = 1;
 
 /// Difference between rivals, in noise units over all samples together, that settles the matter.
 const SETTLES: f64 = 10.0;
@@ -76,13 +77,17 @@ pub fn next_experiment(
     }
     let rig = Rig::of(&data);
     let runs = base.model.experiments();
+    // A run of a whole leg is dear, and how far rivals come apart is wanted to a tenth.
+    let coarse =
+        |c: &&Candidate| Candidate { model: c.model.coarser(SCREEN_STEPS_PER_SAMPLE), ..(*c).clone() };
+    let coarser: Vec<Candidate> = rivals.iter().filter(|_| !runs.is_empty()).map(coarse).collect();
+    let rivals = if runs.is_empty() { rivals } else { coarser.iter().collect() };
     let (mut trials, examined): (Vec<Trial>, usize) = if runs.is_empty() {
         let Some(excite) = rig.excite(limits) else { return Ok(None) };
         let excitations = library(&excite).into_par_iter();
         (excitations.filter_map(|e| rig.excited(&rivals, &excite, e)).collect(), EXAMINED)
     } else {
-        let examined = if diagnosis.verdict.indistinguishable.is_empty() { 1 } else { EXAMINED_RUNS };
-        (runs.into_par_iter().filter_map(|record| rig.run(&rivals, record)).collect(), examined)
+        (runs.into_par_iter().filter_map(|record| rig.run(&rivals, record)).collect(), EXAMINED_RUNS)
     };
     // Ties in the order of the library.
     trials.sort_by(|a, b| b.apart.total_cmp(&a.apart));

@@ -54,6 +54,8 @@ policy! {
     /// Least gain in the sum of squares per further parameter, in units of the mean squared residual: a likelihood
     /// ratio that chance passes once in 10 000 for each of some hundred laws and places tried.
     WORTH_PER_PARAMETER = 15.0;
+    /// Most samples of a residual that remembers which count as one: a longer memory is known from too few stretches.
+    MOST_MEMORY = 1000.0;
     /// Share of what is gained on some left-out stretches that may be lost on others.
     MOST_OPPOSED = 0.4;
     /// Cost over the chosen set's above which a set is no tie, whatever is foreseen.

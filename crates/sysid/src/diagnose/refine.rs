@@ -18,6 +18,9 @@ use sealegs_model::{Excitation, Model, Parameter, Record};
 /// Gain of a step with which a fit in a search is content (see [`FitOptions::tolerance`]).
 const TOLERANCE: f64 = 0.05;
 
+/// The same of the leader where derivatives are dear: two standard errors of a parameter.
+const FINISHED_TOLERANCE: f64 = 1.0;
+
 /// The same where only the neighbourhood is wanted, or derivatives are dear.
 const ROUGH_TOLERANCE: f64 = 3.0;
 
@@ -129,6 +132,7 @@ impl<'a> Models<'a> {
     }
 
     /// A set fitted from values by name under the observer, from the base model's nominal values; `None` without one.
+    /// `near` is fitted under the observer, too: its derivatives may be taken over.
     #[must_use]
     pub fn observed_fit(&self, near: &Candidate, effects: &[String], known: &Known) -> Option<Fit> {
         let model = with_effects(self.observed.as_deref()?, effects, &self.seen).ok()?;
@@ -136,7 +140,7 @@ impl<'a> Models<'a> {
         let options = FitOptions {
             max_steps: OBSERVED_STEPS as usize,
             tolerance: ROUGH_TOLERANCE,
-            ..under_observer(self.options(model.as_ref(), start, near))
+            ..self.options(model.as_ref(), start, near)
         };
         fit::fit(self.data, model.as_ref(), &options).ok()
     }
@@ -153,7 +157,14 @@ impl<'a> Models<'a> {
     ) -> Option<Candidate> {
         let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
         let mut starts = vec![values_by_name(model.as_ref(), known)];
-        starts.extend(observed.map(|f| f.values.clone()));
+        if let Some(observed) = observed {
+            // The effects as the observer has them, beside the base model as it is nearby.
+            let nearby = near.known().into_iter().filter(|(name, _)| !name.contains('.'));
+            let seen = observed.parameters.iter().map(|p| (p.name.clone(), p.value));
+            let mixed: Known = nearby.chain(seen).collect();
+            starts.push(values_by_name(model.as_ref(), &mixed));
+            starts.push(observed.values.clone());
+        }
         let cost =
             |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);
         let costs: Vec<f64> = starts.iter().map(cost).collect();
@@ -193,6 +204,7 @@ impl<'a> Models<'a> {
         let (model, start) = (best.model.clone_box(), best.fit.values.clone());
         let options = FitOptions {
             difference: Difference::Forward,
+            tolerance: FINISHED_TOLERANCE,
             max_steps: STEPS as usize,
             ..self.options(model.as_ref(), start, best)
         };
@@ -224,7 +236,11 @@ impl<'a> Models<'a> {
                 starts: 1,
                 columns: usual.secants.then(|| candidate.columns()),
                 max_steps: if self.dear { DEAR_STEPS as usize } else { usual.max_steps },
-                difference: if rough { Difference::Secant } else { usual.difference },
+                difference: match (rough, self.dear) {
+                    (true, _) => Difference::Secant,
+                    (false, true) => Difference::Forward,
+                    (false, false) => usual.difference,
+                },
                 last: true,
                 ..usual
             };
@@ -270,7 +286,7 @@ impl Models<'_> {
         let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
         let fitted = starts.into_iter().filter_map(|start| {
             let known: Known = known.iter().cloned().chain(start).collect();
-            let observed = self.observed_fit(near, &effects, &known);
+            let observed = beside.as_ref().and_then(|beside| self.observed_fit(beside, &effects, &known));
             self.fitted(near, &effects, &known, observed.as_ref())
         });
         fitted.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })

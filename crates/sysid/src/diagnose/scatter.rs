@@ -32,10 +32,13 @@ struct Place {
 }
 
 impl Models<'_> {
-    /// Whether a set is worth many starts: much is left, and nothing is known of a base parameter.
+    /// Whether a set is worth many starts: much is left, nothing is known of a base parameter, and no position was
+    /// measured that an observer could follow to the right neighbourhood.
     #[must_use]
     pub fn is_worth_scattering(&self, best: &Candidate) -> bool {
+        let is_position = |name: &str| name.ends_with("angle_rad") || name.ends_with("position_m");
         !self.dear
+            && !self.data.channels.iter().any(|c| is_position(&c.name))
             && best.fit.error() > EXPLAINED * self.data.floor
             && self.exact.parameters().iter().any(is_unknown)
     }

@@ -69,7 +69,7 @@ impl Search<'_> {
 
     /// Fits what screening promises beside a set; the indices.
     fn grown(&mut self, from: usize) -> Vec<usize> {
-        let (screened, open) = self.screened(from);
+        let (screened, open, beside) = self.screened(from);
         if from == 0 {
             self.promises.clone_from(&screened.promises);
         }
@@ -77,7 +77,7 @@ impl Search<'_> {
         let left = (self.tried[from].fit.cost - noise).max(0.0);
         let plans = screened.plans(left);
         let sure = open.promises.iter().take(OPEN_LOOP).cloned().collect();
-        let mut fitted = self.fit_all(from, plans, sure);
+        let mut fitted = self.fit_all(from, beside.as_ref(), plans, sure);
         let least = fitted
             .iter()
             .copied()
@@ -131,7 +131,7 @@ impl Search<'_> {
     }
 
     /// What screening finds beside a set under the observer; and what it finds in open loop, where simulations are cheap.
-    fn screened(&self, from: usize) -> (Screened, Screened) {
+    fn screened(&self, from: usize) -> (Screened, Screened, Option<Candidate>) {
         let (models, candidate) = (&self.models, &self.tried[from]);
         (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
         let starts = if models.dear { STARTS_DEAR } else { STARTS } as usize;
@@ -141,19 +141,25 @@ impl Search<'_> {
             screen(models.data, beside, &models.seen, cards, starts)
         };
         let Some(beside) = models.observing(candidate, &known) else {
-            return (at(candidate, &cards), Screened::default());
+            return (at(candidate, &cards), Screened::default(), None);
         };
         let screened = at(&beside, &cards);
         // On a leg a simulation in open loop is dear: only what the observer cannot see is looked at there.
         let felt = |c: &EffectCard| screened.promises.iter().any(|p| p.effect == c.id);
         let unseen: Vec<EffectCard> = cards.iter().filter(|c| !models.dear || !felt(c)).cloned().collect();
         let open = at(candidate, &unseen);
-        (screened, open)
+        (screened, open, Some(beside))
     }
 
     /// Fits plans beside a set that were not fitted yet, first under the observer, then the best of them in open loop; the
     /// indices of all that were. `sure` plans are fitted in open loop unless nothing is left by then.
-    fn fit_all(&mut self, from: usize, plans: Vec<Plan>, sure: Vec<Promise>) -> Vec<usize> {
+    fn fit_all(
+        &mut self,
+        from: usize,
+        beside: Option<&Candidate>,
+        plans: Vec<Plan>,
+        sure: Vec<Promise>,
+    ) -> Vec<usize> {
         let near = &self.tried[from];
         let with = |added: &[String]| self.set_with(near, added);
         let job = |added: &[String], start: Known| -> (Vec<String>, Known) {
@@ -170,7 +176,7 @@ impl Search<'_> {
         let (models, first) = (&self.models, self.tried.len());
         (self.progress)(Progress::Fitting { sets: jobs.iter().map(|(set, _)| set.clone()).collect() });
         let observed: Vec<Option<Fit>> =
-            jobs.par_iter().map(|(set, known)| models.observed_fit(near, set, known)).collect();
+            jobs.par_iter().map(|(set, known)| models.observed_fit(beside?, set, known)).collect();
         let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =
             jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
         let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
@@ -178,16 +184,19 @@ impl Search<'_> {
         ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
         let least = ranked.first().map_or(f64::INFINITY, |r| cost(&r.2));
         let near = near.clone();
-        let wave = |jobs: &[(Vec<String>, Known, Option<Fit>)]| -> Vec<Candidate> {
+        let wave = |near: &Candidate, jobs: &[(Vec<String>, Known, Option<Fit>)]| -> Vec<Candidate> {
             let fitted: Vec<Option<Candidate>> = jobs
                 .par_iter()
-                .map(|(set, known, fit)| models.fitted(&near, set, known, fit.as_ref()))
+                .map(|(set, known, fit)| models.fitted(near, set, known, fit.as_ref()))
                 .collect();
             fitted.into_iter().flatten().collect()
         };
-        let leaders = (LEADERS as usize).min(ranked.len());
-        let mut fitted = wave(&ranked[..leaders]);
-        self.models.finish_best(&mut fitted);
+        let leaders = if models.dear { 1 } else { LEADERS as usize }.min(ranked.len());
+        let mut fitted = wave(&near, &ranked[..leaders]);
+        models.finish_best(&mut fitted);
+        // Where derivatives are taken over, those of a set that explains more serve the others better.
+        let lead = fitted.first().filter(|lead| models.dear && lead.fit.cost < near.fit.cost);
+        let near = lead.cloned().unwrap_or(near);
         let settled = fitted.iter().any(|c| models.is_settled(c, &self.tried[0]));
         let mut rest: Vec<_> = ranked.drain(leaders..).collect();
         if settled {
@@ -196,9 +205,9 @@ impl Search<'_> {
             rest.truncate(if self.models.dear { FOLLOWERS_DEAR } else { FOLLOWERS } as usize);
             rest.extend(sure.into_iter().map(|(set, known)| (set, known, None)));
         }
-        let mut rest = wave(&rest);
+        let mut rest = wave(&near, &rest);
         if !settled {
-            self.models.finish_best(&mut rest);
+            models.finish_best(&mut rest);
         }
         fitted.extend(rest);
         self.tried.extend(fitted);
@@ -295,7 +304,9 @@ impl Search<'_> {
                 .take(RIVALS)
                 .map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() })
                 .collect();
-            fitted.extend(self.fit_all(without, plans, Vec::new()));
+            let known = with_nominal_base(self.models.exact, &self.tried[without].known());
+            let beside = self.models.observing(&self.tried[without], &known);
+            fitted.extend(self.fit_all(without, beside.as_ref(), plans, Vec::new()));
         }
         let mean = |i: usize| self.mean_square(i);
         let rival = fitted.into_iter().filter(|&i| self.tried[i].effects.len() <= effects.len());
