@@ -19,8 +19,7 @@ const ROUNDS: usize = 2;
 /// Rivals of a member that are fitted.
 const RIVALS: usize = 3;
 
-/// Effects of the screening in open loop that are fitted, too: a sensor that the observer follows hides its own fault, and a
-/// slow law (a clamp that slips) shows over seconds.
+/// Effects of the screening in open loop that are fitted.
 const OPEN_LOOP: usize = 4;
 
 /// The search's state.
@@ -69,15 +68,18 @@ impl Search<'_> {
 
     /// Fits what screening promises beside a set; the indices.
     fn grown(&mut self, from: usize) -> Vec<usize> {
-        let (screened, open, beside) = self.screened(from);
+        let (screened, beside) = self.screened(from);
         if from == 0 {
             self.promises.clone_from(&screened.promises);
         }
         let noise = 0.5 * self.models.data.floor.powi(2) * self.tried[from].validation.residuals as f64;
         let left = (self.tried[from].fit.cost - noise).max(0.0);
-        let plans = screened.plans(left);
-        let sure = open.promises.iter().take(OPEN_LOOP).cloned().collect();
-        let mut fitted = self.fit_all(from, beside.as_ref(), plans, sure);
+        let mut fitted = self.fit_all(from, beside.as_ref(), screened.plans(left));
+        let settled = fitted.iter().any(|&i| self.models.is_settled(&self.tried[i], &self.tried[0]));
+        if beside.is_some() && !settled {
+            let plans = self.in_open_loop(from, &screened);
+            fitted.extend(self.fit_all(from, None, plans));
+        }
         let least = fitted
             .iter()
             .copied()
@@ -130,36 +132,38 @@ impl Search<'_> {
         self.admitted.iter().filter(|id| chosen(id)).cloned().collect()
     }
 
-    /// What screening finds beside a set under the observer; and what it finds in open loop, where simulations are cheap.
-    fn screened(&self, from: usize) -> (Screened, Screened, Option<Candidate>) {
+    /// What screening finds beside a set as it is under the observer, and that set; in open loop where there is no observer.
+    fn screened(&self, from: usize) -> (Screened, Option<Candidate>) {
         let (models, candidate) = (&self.models, &self.tried[from]);
         (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
-        let starts = if models.dear { STARTS_DEAR } else { STARTS } as usize;
         let known = with_nominal_base(models.exact, &candidate.known());
+        let beside = models.observing(candidate, &known);
         let cards = addable(candidate.model.as_ref(), &models.seen, &self.admitted);
-        let at = |beside: &Candidate, cards: &[EffectCard]| {
-            screen(models.data, beside, &models.seen, cards, starts)
-        };
-        let Some(beside) = models.observing(candidate, &known) else {
-            return (at(candidate, &cards), Screened::default(), None);
-        };
-        let screened = at(&beside, &cards);
-        // On a leg a simulation in open loop is dear: only what the observer cannot see is looked at there.
-        let felt = |c: &EffectCard| screened.promises.iter().any(|p| p.effect == c.id);
-        let unseen: Vec<EffectCard> = cards.iter().filter(|c| !models.dear || !felt(c)).cloned().collect();
-        let open = at(candidate, &unseen);
-        (screened, open, Some(beside))
+        (self.at(beside.as_ref().unwrap_or(candidate), &cards), beside)
+    }
+
+    /// The most promising effects in open loop: a sensor that the observer follows hides its own fault, and a slow law (a
+    /// clamp that slips) shows over seconds. On a leg, where a simulation in open loop is dear, only what the observer
+    /// cannot see is looked at.
+    fn in_open_loop(&self, from: usize, observed: &Screened) -> Vec<Plan> {
+        let (models, candidate) = (&self.models, &self.tried[from]);
+        (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
+        let felt = |c: &EffectCard| observed.promises.iter().any(|p| p.effect == c.id);
+        let mut cards = addable(candidate.model.as_ref(), &models.seen, &self.admitted);
+        cards.retain(|c| !models.dear || !felt(c));
+        let promises = self.at(candidate, &cards).promises.into_iter().filter(|p| p.drop > 0.0);
+        let alone = |p: Promise| Plan { added: vec![p.effect], drop: p.drop, start: p.start };
+        promises.take(OPEN_LOOP).map(alone).collect()
+    }
+
+    fn at(&self, beside: &Candidate, cards: &[EffectCard]) -> Screened {
+        let starts = if self.models.dear { STARTS_DEAR } else { STARTS } as usize;
+        screen(self.models.data, beside, &self.models.seen, cards, starts)
     }
 
     /// Fits plans beside a set that were not fitted yet, first under the observer, then the best of them in open loop; the
-    /// indices of all that were. `sure` plans are fitted in open loop unless nothing is left by then.
-    fn fit_all(
-        &mut self,
-        from: usize,
-        beside: Option<&Candidate>,
-        plans: Vec<Plan>,
-        sure: Vec<Promise>,
-    ) -> Vec<usize> {
+    /// indices of all that were. `beside` is the set as it is under the observer.
+    fn fit_all(&mut self, from: usize, beside: Option<&Candidate>, plans: Vec<Plan>) -> Vec<usize> {
         let near = &self.tried[from];
         let with = |added: &[String]| self.set_with(near, added);
         let job = |added: &[String], start: Known| -> (Vec<String>, Known) {
@@ -171,8 +175,6 @@ impl Search<'_> {
             .filter_map(|p| self.tried.iter().position(|t| t.effects == with(&p.added)))
             .collect();
         let jobs: Vec<_> = plans.into_iter().map(|p| job(&p.added, p.start)).filter(new).collect();
-        let sure = sure.into_iter().map(|p| job(&[p.effect], p.start)).filter(new);
-        let sure: Vec<_> = sure.filter(|(set, _)| jobs.iter().all(|(other, _)| other != set)).collect();
         let (models, first) = (&self.models, self.tried.len());
         (self.progress)(Progress::Fitting { sets: jobs.iter().map(|(set, _)| set.clone()).collect() });
         let observed: Vec<Option<Fit>> =
@@ -203,7 +205,6 @@ impl Search<'_> {
             rest.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
         } else {
             rest.truncate(if self.models.dear { FOLLOWERS_DEAR } else { FOLLOWERS } as usize);
-            rest.extend(sure.into_iter().map(|(set, known)| (set, known, None)));
         }
         let mut rest = wave(&near, &rest);
         if !settled {
@@ -306,7 +307,7 @@ impl Search<'_> {
                 .collect();
             let known = with_nominal_base(self.models.exact, &self.tried[without].known());
             let beside = self.models.observing(&self.tried[without], &known);
-            fitted.extend(self.fit_all(without, beside.as_ref(), plans, Vec::new()));
+            fitted.extend(self.fit_all(without, beside.as_ref(), plans));
         }
         let mean = |i: usize| self.mean_square(i);
         let rival = fitted.into_iter().filter(|&i| self.tried[i].effects.len() <= effects.len());
