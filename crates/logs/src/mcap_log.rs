@@ -6,9 +6,12 @@ use crate::ros::Schema;
 use crate::table::Log;
 use crate::topics::{Encoding, Topics};
 use mcap::McapError;
-use mcap::records::{Record, op};
+use mcap::read::ChunkReader;
+use mcap::records::{ChunkHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use std::borrow::Cow;
 use std::collections::HashMap;
+use std::io::Read;
 use std::path::Path;
 
 /// What a file begins with.
@@ -31,6 +34,64 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
     })
 }
 
+/// Whether a chunk of a file is packed.
+fn is_packed(mut bytes: &[u8]) -> bool {
+    let mut reader = LinearReader::new_with_options(options().with_emit_chunks(true));
+    // What is wrong is said where the records are read.
+    while let Some(Ok(event)) = reader.next_event() {
+        match event {
+            LinearReadEvent::ReadRequest(wanted) => bytes = fed(&mut reader, wanted, bytes),
+            LinearReadEvent::Record { opcode: op::CHUNK, data } => {
+                if let Ok(Record::Chunk { header, .. }) = mcap::parse_record(op::CHUNK, data)
+                    && !header.compression.is_empty()
+                {
+                    return true;
+                }
+            }
+            LinearReadEvent::Record { .. } => {}
+        }
+    }
+    false
+}
+
+/// The records of a chunk without their compression. The library's own way hangs on damaged frames whose end never
+/// comes.
+fn unpacked<'a>(header: &ChunkHeader, data: &'a [u8]) -> Result<Cow<'a, [u8]>, String> {
+    let broken = |e: std::io::Error| format!("a chunk cannot be unpacked: {e}");
+    let packed: Box<dyn Read + 'a> = match header.compression.as_str() {
+        "" => return Ok(Cow::Borrowed(data)),
+        "lz4" => Box::new(lz4::Decoder::new(data).map_err(broken)?),
+        "zstd" => Box::new(zstd::Decoder::new(data).map_err(broken)?),
+        other => return Err(format!("a chunk is packed by '{other}'; lz4 and zstd are read")),
+    };
+    let size = header.uncompressed_size;
+    if size > LONGEST as u64 {
+        return Err(format!("a chunk of {size} bytes is longer than {LONGEST}"));
+    }
+    let mut plain = Vec::new();
+    packed.take(size + 1).read_to_end(&mut plain).map_err(broken)?;
+    if plain.len() as u64 != size {
+        return Err(format!("a chunk has not the {size} bytes that it should have"));
+    }
+    Ok(Cow::Owned(plain))
+}
+
+fn unreadable(error: McapError) -> String {
+    format!("a record cannot be read: {error}")
+}
+
+fn options() -> LinearReaderOptions {
+    LinearReaderOptions::default().with_validate_chunk_crcs(true).with_record_length_limit(LONGEST)
+}
+
+/// Gives a reader the next piece of what it wants; what is left.
+fn fed<'a>(reader: &mut LinearReader, wanted: usize, bytes: &'a [u8]) -> &'a [u8] {
+    let (now, later) = bytes.split_at(wanted.min(PIECE).min(bytes.len()));
+    reader.insert(now.len()).copy_from_slice(now);
+    reader.notify_read(now.len());
+    later
+}
+
 fn decode(path: &Path, mut bytes: &[u8]) -> Result<Log, LogError> {
     let mut recording = Recording {
         topics: Topics::of_file(bytes.len()),
@@ -38,19 +99,12 @@ fn decode(path: &Path, mut bytes: &[u8]) -> Result<Log, LogError> {
         channels: HashMap::new(),
         messages: 0,
     };
-    let options =
-        LinearReaderOptions::default().with_validate_chunk_crcs(true).with_record_length_limit(LONGEST);
-    let mut reader = LinearReader::new_with_options(options);
+    // Packed chunks are unpacked here; of a plain one that was cut off the whole messages are read.
+    let mut reader = LinearReader::new_with_options(options().with_emit_chunks(is_packed(bytes)));
     let mut cut = None;
     while let Some(event) = reader.next_event() {
         match event {
-            Ok(LinearReadEvent::ReadRequest(wanted)) => {
-                let piece = wanted.min(PIECE).min(bytes.len());
-                let (now, later) = bytes.split_at(piece);
-                reader.insert(piece).copy_from_slice(now);
-                reader.notify_read(piece);
-                bytes = later;
-            }
+            Ok(LinearReadEvent::ReadRequest(wanted)) => bytes = fed(&mut reader, wanted, bytes),
             Ok(LinearReadEvent::Record { opcode, data }) => {
                 recording.record(opcode, data).map_err(|problem| {
                     let problem = format!("{problem} (after {} messages)", recording.messages);
@@ -87,10 +141,27 @@ struct Recording {
 
 impl Recording {
     fn record(&mut self, opcode: u8, data: &[u8]) -> Result<(), String> {
-        if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
+        if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK) {
             return Ok(());
         }
-        match mcap::parse_record(opcode, data).map_err(|e| format!("a record cannot be read: {e}"))? {
+        self.take(mcap::parse_record(opcode, data).map_err(unreadable)?)
+    }
+
+    fn take(&mut self, record: Record) -> Result<(), String> {
+        match record {
+            Record::Chunk { header, data } => {
+                let plain = unpacked(&header, &data)?;
+                let size = plain.len() as u64;
+                let header = ChunkHeader {
+                    compression: String::new(),
+                    compressed_size: size,
+                    uncompressed_size: size,
+                    ..header
+                };
+                for record in ChunkReader::new(header, &plain).map_err(unreadable)? {
+                    self.take(record.map_err(unreadable)?)?;
+                }
+            }
             Record::Schema { header, data } => {
                 let text = String::from_utf8_lossy(&data).into_owned();
                 self.schemas.insert(header.id, (header.name, header.encoding, text));

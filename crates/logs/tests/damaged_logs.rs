@@ -124,3 +124,14 @@ proptest! {
         survive("r.db3", bytes);
     }
 }
+
+#[test]
+fn a_packed_chunk_whose_end_never_comes_is_refused() {
+    for name in ["endless_lz4.mcap", "endless_zstd.mcap"] {
+        let bytes = good(name);
+        survives(move || {
+            let error = parse(Path::new("r.mcap"), bytes).map(|_| ()).expect_err("broken").to_string();
+            assert!(error.starts_with("r.mcap: a "), "{error}");
+        });
+    }
+}

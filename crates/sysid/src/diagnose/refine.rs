@@ -140,9 +140,6 @@ impl<'a> Models<'a> {
         let options = FitOptions {
             max_steps: OBSERVED_STEPS as usize,
             tolerance: ROUGH_TOLERANCE,
-            columns: Some(near.columns()),
-            secants: true,
-            difference: Difference::Secant,
             ..self.options(model.as_ref(), start, near)
         };
         fit::fit(self.data, model.as_ref(), &options).ok()
