@@ -146,7 +146,10 @@ fn a_delay_may_be_a_sample_longer_or_shorter_by_the_end_of_a_period_that_rows_ar
     let noise = |seed| sampled(&Profile::Noise { rms: 1.0, bandwidth_hz: 10.0, seed }, 3.0);
     let runs = [("fit", noise(1)), ("fit", noise(2)), ("holdout", noise(3))];
     let Diagnosis { verdict, found, .. } = diagnosis(("transport-delay", &[DELAY_S]), true, &runs);
-    assert_eq!(verdict.effects, one("transport-delay"));
+    let tried: Vec<String> = (found.tried.iter())
+        .map(|t| format!("{}: {:.4} {:.4}", t.effects.join(" + "), t.fit.error(), t.validation.mean_square()))
+        .collect();
+    assert_eq!(verdict.effects, one("transport-delay"), "{tried:#?}");
     let fit = &found.tried[verdict.after.index].fit;
     let stated = fit.parameters.iter().find(|p| p.name == "transport-delay.delay_s").unwrap();
     let [open] = &found.open[..] else { panic!("{:?}", found.open) };

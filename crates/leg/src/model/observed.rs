@@ -25,8 +25,11 @@ pub(super) struct Observed {
     /// The records that are followed.
     records: Vec<Record>,
     /// Known motions by record and grid: every simulation asks for them again.
-    known: Mutex<Vec<((String, u64, usize), Arc<Known>)>>,
+    known: Mutex<Vec<OnGrid>>,
 }
+
+/// A record's name, the bits of the step and the steps of its grid, and the motion on it.
+type OnGrid = ((String, u64, usize), Arc<Known>);
 
 /// The motion of a record on a grid.
 #[derive(Debug)]

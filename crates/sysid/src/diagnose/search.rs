@@ -75,8 +75,8 @@ impl Search<'_> {
         let noise = 0.5 * self.models.data.floor.powi(2) * self.tried[from].validation.residuals as f64;
         let left = (self.tried[from].fit.cost - noise).max(0.0);
         let mut fitted = self.fit_all(from, beside.as_ref(), screened.plans(left));
-        let settled = fitted.iter().any(|&i| self.models.is_settled(&self.tried[i], &self.tried[0]));
-        if beside.is_some() && !settled {
+        let most = NEAR_FLOOR * self.models.data.floor;
+        if beside.is_some() && fitted.iter().all(|&i| self.tried[i].fit.error() > most) {
             let plans = self.in_open_loop(from, &screened);
             fitted.extend(self.fit_all(from, None, plans));
         }
