@@ -36,8 +36,7 @@ pub use friction::Sliding;
 pub use laws::Laws;
 pub use linear::Coordinates;
 pub use linearised::Linearised;
-pub use observer::pull_at;
-pub use observer::{Observer, Pull, ReferenceMotion, observer_rate, smoothed};
+pub use observer::{Observer, Pull, ReferenceMotion, observer_rate, pull_at, smoothed};
 pub use ports::{
     CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, Slip, SpringForce, SpringPath,
 };

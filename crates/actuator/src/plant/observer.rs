@@ -38,21 +38,16 @@ impl ReferenceMotion {
     /// the corners that straight lines have.
     #[must_use]
     pub fn curved(&self, grid: &Grid, time_s: &[f64]) -> Self {
-        let (mut position, mut speed) = (Vec::new(), Vec::new());
-        let mut i = 0;
-        for n in 0..=grid.steps {
-            let t = grid.time(n);
-            while i + 2 < time_s.len() && time_s[i + 1] <= t {
-                i += 1;
-            }
+        let at = |(i, u): (usize, f64)| {
             let h = time_s[i + 1] - time_s[i];
-            let u = ((t - time_s[i]) / h).clamp(0.0, 1.0);
             let (a, b) = (self.position[i], self.position[i + 1]);
-            let (m, n) = (h * self.speed[i], h * self.speed[i + 1]);
-            let (rise, c) = (b - a, m + n - 2.0 * (b - a));
-            position.push(a + u * (m + u * (3.0 * rise - 2.0 * m - n + u * c)));
-            speed.push((m + u * (2.0 * (3.0 * rise - 2.0 * m - n) + 3.0 * u * c)) / h);
-        }
+            let (start, end) = (h * self.speed[i], h * self.speed[i + 1]);
+            let (rise, c) = (b - a, start + end - 2.0 * (b - a));
+            let position = a + u * (start + u * (3.0 * rise - 2.0 * start - end + u * c));
+            let speed = (start + u * (2.0 * (3.0 * rise - 2.0 * start - end) + 3.0 * u * c)) / h;
+            (position, speed)
+        };
+        let (position, speed) = places(time_s, grid).map(at).unzip();
         Self { position, speed }
     }
 
@@ -131,19 +126,22 @@ impl Observer {
     }
 }
 
+/// For each point of a grid the time stamp before it and how far along it lies to the next one, between 0 and 1.
+fn places<'a>(time_s: &'a [f64], grid: &'a Grid) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let mut i = 0;
+    (0..=grid.steps).map(move |n| {
+        let t = grid.time(n);
+        while i + 2 < time_s.len() && time_s[i + 1] <= t {
+            i += 1;
+        }
+        (i, ((t - time_s[i]) / (time_s[i + 1] - time_s[i])).clamp(0.0, 1.0))
+    })
+}
+
 /// Values at the points of a grid by straight lines between time stamps.
 fn resampled(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
-    let mut i = 0;
-    (0..=grid.steps)
-        .map(|n| {
-            let t = grid.time(n);
-            while i + 2 < time_s.len() && time_s[i + 1] <= t {
-                i += 1;
-            }
-            let along = ((t - time_s[i]) / (time_s[i + 1] - time_s[i])).clamp(0.0, 1.0);
-            values[i] + along * (values[i + 1] - values[i])
-        })
-        .collect()
+    let at = |(i, along): (usize, f64)| values[i] + along * (values[i + 1] - values[i]);
+    places(time_s, grid).map(at).collect()
 }
 
 /// Samples to each side that a smoothed value is taken from: at 1 kHz it follows to some 60 Hz, and the speed of an

@@ -6,8 +6,7 @@ use crate::text::num;
 use std::fmt::Write;
 
 /// The bound of the rotor's dry friction as a Python expression of `speed`, `direction`, `load()` and `self.heat`, what dry
-/// friction has made so far in J; `None` where it is
-/// a number, which MuJoCo holds itself.
+/// friction has made so far in J; `None` where it is a number, which MuJoCo holds itself.
 pub fn friction_bound(bench: &BenchDescription) -> Option<String> {
     let constant = bench.sum(|t| if let Term::Coulomb { force } = t { Some(*force) } else { None });
     let mut parts = Vec::new();

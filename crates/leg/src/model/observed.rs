@@ -83,11 +83,10 @@ impl Observed {
         record: &Record,
         channels: &[String],
     ) -> Result<Prediction, ModelError> {
-        let setup = |e: crate::LegError| ModelError::Setup { reason: e.to_string() };
         // What is followed is the record that was given then, not one that is compared now.
         let record = self.records.iter().find(|r| r.name == record.name).unwrap_or(record);
         let mut simulation =
-            Simulation::with_effects(scenario, case.robot.clone(), effects).map_err(setup)?;
+            Simulation::with_effects(scenario, case.robot.clone(), effects).map_err(predict::model_error)?;
         let grid = predict::grid(record, scenario.step_s)?;
         let known = self.known(case, scenario, record, &grid)?;
         let mut prediction = Prediction { outputs: Vec::new(), internals: Vec::new(), events: Vec::new() };
@@ -137,8 +136,8 @@ fn measured<'a>(record: &'a Record, actuator: &str) -> Option<(&'a [f64], &'a [f
 
 impl Known {
     fn of(case: &Case, scenario: &Scenario, record: &Record, grid: &Grid) -> Result<Self, ModelError> {
-        let setup = |e: crate::LegError| ModelError::Setup { reason: e.to_string() };
-        let mut simulation = Simulation::with_effects(scenario, case.robot.clone(), &[]).map_err(setup)?;
+        let mut simulation =
+            Simulation::with_effects(scenario, case.robot.clone(), &[]).map_err(predict::model_error)?;
         let beyond = Grid { steps: grid.steps + 1, ..*grid };
         let on_grid = |channel: &str| -> ReferenceMotion {
             let values = record.output(channel).unwrap_or(&[]);

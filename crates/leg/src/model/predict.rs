@@ -50,6 +50,14 @@ pub(super) fn internals(a: &ActuatorInstant, travel_per_rad: f64) -> [f64; 4] {
     [a.motor_force_n, a.rotor_speed_rad_s * travel_per_rad, a.deflection_m, a.spring_force_n]
 }
 
+/// What is wrong with a leg, as a model says it.
+pub(super) fn model_error(error: LegError) -> ModelError {
+    match error {
+        LegError::NotFinite { time_s, what } => ModelError::NotFinite { time_s, what },
+        other => ModelError::Setup { reason: other.to_string() },
+    }
+}
+
 /// The grid of a record's simulation.
 pub(super) fn grid(record: &Record, step_s: f64) -> Result<Grid, ModelError> {
     let end_s = record.time_s.last().copied().unwrap_or(0.0);
@@ -77,11 +85,8 @@ pub(super) fn predict(
                 .ok_or_else(|| ModelError::UnknownChannel { channel: channel.clone() })
         })
         .collect::<Result<_, _>>()?;
-    let setup = |e: LegError| match e {
-        LegError::NotFinite { time_s, what } => ModelError::NotFinite { time_s, what },
-        other => ModelError::Setup { reason: other.to_string() },
-    };
-    let mut simulation = Simulation::with_effects(scenario, case.robot.clone(), effects).map_err(setup)?;
+    let mut simulation =
+        Simulation::with_effects(scenario, case.robot.clone(), effects).map_err(model_error)?;
     let step_s = scenario.step_s;
     let grid = grid(record, step_s)?;
     give_inputs(&mut simulation, case, record, &grid)?;
@@ -102,7 +107,7 @@ pub(super) fn predict(
                 }
             }
         });
-        step.map_err(setup)?;
+        step.map_err(model_error)?;
         for event in simulation.events().iter().filter(|e| e.level() == EventLevel::Error) {
             events.push(format!("{:.4} s: {} {}", event.time_s, event.subject, event.text));
         }

@@ -152,13 +152,12 @@ mod tests {
 
     #[test]
     fn starts_fill_the_range_evenly() {
-        let count = STARTS;
         for base in BASES {
-            let mut all: Vec<f64> = (1..=count).map(|n| radical_inverse(n, base)).collect();
+            let mut all: Vec<f64> = (1..=STARTS).map(|n| radical_inverse(n, base)).collect();
             all.sort_by(f64::total_cmp);
             let widest = all.windows(2).map(|w| w[1] - w[0]).fold(all[0], f64::max);
             let last = all[all.len() - 1];
-            assert!(all[0] > 0.0 && last < 1.0 && widest < 3.0 / f64::from(count.min(base)));
+            assert!(all[0] > 0.0 && last < 1.0 && widest < 3.0 / f64::from(STARTS.min(base)));
         }
         assert_eq!([1, 2, 3].map(|n| radical_inverse(n, 2)), [0.5, 0.25, 0.75]);
     }
