@@ -104,6 +104,9 @@ policy! {
     TRACE = 1e-4;
     /// Cost under the observer over the best set's up to which a set is fitted in open loop as its rival.
     RIVAL_COST = 1.5;
+    /// Cost under the observer over that of a set that explains everything from which on a set without one of its members
+    /// needs no fit in open loop to be told worse.
+    NEEDED_COST = 3.0;
     /// Sets that are fitted in open loop in any case, by their cost under the observer.
     LEADERS = 2.0;
     /// The same where the leaders do not explain what is missing.

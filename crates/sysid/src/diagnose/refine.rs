@@ -292,21 +292,35 @@ impl Models<'_> {
         fitted.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
     }
 
-    /// The base model with effects in the order in which they were asked for, grown one by one in either order, as what an
-    /// effect shows may depend on another one being there already; fitted to the end. `None` if nothing can be simulated.
+    /// A candidate with more effects, grown one by one in either order, as what an effect shows may depend on another one
+    /// being there already; the lowest fit. `None` if nothing can be simulated.
+    #[must_use]
+    pub(super) fn grown(&self, near: &Candidate, added: &[String]) -> Option<Candidate> {
+        let backwards: Vec<String> = added.iter().rev().cloned().collect();
+        let orders = if added.len() > 1 { vec![added.to_vec(), backwards] } else { vec![added.to_vec()] };
+        let grown = orders.into_iter().filter_map(|order| {
+            order.iter().try_fold(near.clone(), |grown, effect| self.with_one_more(&grown, effect))
+        });
+        grown.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
+    }
+
+    /// The candidate with its effects in another order; as it is if that cannot be simulated.
+    #[must_use]
+    pub(super) fn reordered(&self, candidate: Candidate, effects: &[String]) -> Candidate {
+        let again = || {
+            let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
+            let values = values_by_name(model.as_ref(), &candidate.known());
+            let fit = fit::at_values(self.data, model.as_ref(), &values, Difference::Forward).ok()?;
+            Some(Candidate { effects: effects.to_vec(), model, fit, ..candidate.clone() })
+        };
+        again().unwrap_or(candidate)
+    }
+
+    /// The base model with effects, [grown](Self::grown) and fitted to the end. `None` if nothing can be simulated.
     #[must_use]
     pub fn with_effects(&self, base: &Candidate, effects: &[String]) -> Option<Candidate> {
-        let backwards: Vec<String> = effects.iter().rev().cloned().collect();
-        let orders =
-            if effects.len() > 1 { vec![effects.to_vec(), backwards] } else { vec![effects.to_vec()] };
-        let grown = orders.into_iter().filter_map(|order| {
-            order.iter().try_fold(base.clone(), |grown, effect| self.with_one_more(&grown, effect))
-        });
-        let best = grown.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })?;
+        let best = self.grown(base, effects)?;
         let (settled, _) = self.settled(best);
-        let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
-        let start = values_by_name(model.as_ref(), &settled.known());
-        let fit = fit::at_values(self.data, model.as_ref(), &start, Difference::Forward).ok()?;
-        Some(self.polished(&Candidate { effects: effects.to_vec(), model, fit, ..settled }))
+        Some(self.polished(&self.reordered(settled, effects)))
     }
 }

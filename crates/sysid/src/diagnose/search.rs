@@ -4,7 +4,7 @@
 use super::compare::{clearly_better, excess, gain};
 use super::policy::{
     AT_FLOOR, EXPLAINED, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR,
-    RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, TIED_COST,
+    NEEDED_COST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, TIED_COST,
 };
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -49,6 +49,7 @@ impl Search<'_> {
             if better == best {
                 break;
             }
+            self.fit_from_every_start(better, best);
             best = better;
             self.refine_steps(best);
             if last {
@@ -74,11 +75,12 @@ impl Search<'_> {
         }
         let noise = 0.5 * self.models.data.floor.powi(2) * self.tried[from].validation.residuals as f64;
         let left = (self.tried[from].fit.cost - noise).max(0.0);
-        let mut fitted = self.fit_all(from, beside.as_ref(), screened.plans(left));
+        let near = self.tried[from].clone();
+        let mut fitted = self.fit_all(&near, beside.as_ref(), screened.plans(left), None);
         let most = NEAR_FLOOR * self.models.data.floor;
         if beside.is_some() && fitted.iter().all(|&i| self.tried[i].fit.error() > most) {
             let plans = self.in_open_loop(from, &screened);
-            fitted.extend(self.fit_all(from, None, plans));
+            fitted.extend(self.fit_all(&near, None, plans, None));
         }
         let least = fitted
             .iter()
@@ -162,9 +164,16 @@ impl Search<'_> {
     }
 
     /// Fits plans beside a set that were not fitted yet, first under the observer, then the best of them in open loop; the
-    /// indices of all that were. `beside` is the set as it is under the observer.
-    fn fit_all(&mut self, from: usize, beside: Option<&Candidate>, plans: Vec<Plan>) -> Vec<usize> {
-        let near = &self.tried[from];
+    /// indices of all that were. `beside` is the set as it is under the observer: what leaves more there than without the
+    /// effect started in the wrong place. Where a set that explains everything is there already, `to_beat` is its cost
+    /// under the observer, and rivals alone are fitted.
+    fn fit_all(
+        &mut self,
+        near: &Candidate,
+        beside: Option<&Candidate>,
+        plans: Vec<Plan>,
+        to_beat: Option<f64>,
+    ) -> Vec<usize> {
         let with = |added: &[String]| self.set_with(near, added);
         let job = |added: &[String], start: Known| -> (Vec<String>, Known) {
             (with(added), near.known().into_iter().chain(start).collect())
@@ -184,8 +193,14 @@ impl Search<'_> {
         let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
         // Without an observer they stay in the order of what they promise.
         ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
-        let least = ranked.first().map_or(f64::INFINITY, |r| cost(&r.2));
-        let near = near.clone();
+        if let Some(beside) = beside {
+            ranked.retain(|(.., fit)| cost(fit) < beside.fit.cost);
+        }
+        let least =
+            ranked.first().map_or(f64::INFINITY, |r| cost(&r.2)).min(to_beat.unwrap_or(f64::INFINITY));
+        if to_beat.is_some() {
+            ranked.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
+        }
         let wave = |near: &Candidate, jobs: &[(Vec<String>, Known, Option<Fit>)]| -> Vec<Candidate> {
             let fitted: Vec<Option<Candidate>> = jobs
                 .par_iter()
@@ -194,12 +209,12 @@ impl Search<'_> {
             fitted.into_iter().flatten().collect()
         };
         let leaders = if models.dear { 1 } else { LEADERS as usize }.min(ranked.len());
-        let mut fitted = wave(&near, &ranked[..leaders]);
+        let mut fitted = wave(near, &ranked[..leaders]);
         models.finish_best(&mut fitted);
         // Where derivatives are taken over, those of a set that explains more serve the others better.
         let lead = fitted.first().filter(|lead| models.dear && lead.fit.cost < near.fit.cost);
-        let near = lead.cloned().unwrap_or(near);
-        let settled = fitted.iter().any(|c| models.is_settled(c, &self.tried[0]));
+        let near = lead.cloned().unwrap_or_else(|| near.clone());
+        let settled = to_beat.is_some() || fitted.iter().any(|c| models.is_settled(c, &self.tried[0]));
         let mut rest: Vec<_> = ranked.drain(leaders..).collect();
         if settled {
             rest.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
@@ -213,6 +228,22 @@ impl Search<'_> {
         fitted.extend(rest);
         self.tried.extend(fitted);
         known.into_iter().chain(first..self.tried.len()).collect()
+    }
+
+    /// Fits a set that leaves something again, as [`Models::grown`] from the one that it grew from: what rests at the wrong
+    /// values misleads all that is added to it.
+    fn fit_from_every_start(&mut self, index: usize, from: usize) {
+        let (set, near) = (&self.tried[index], &self.tried[from]);
+        if self.models.dear || self.models.is_settled(set, &self.tried[0]) {
+            return;
+        }
+        let added: Vec<String> = set.effects.iter().filter(|e| !near.effects.contains(e)).cloned().collect();
+        let again = self.models.grown(near, &added).filter(|again| again.fit.cost < set.fit.cost);
+        let effects = set.effects.clone();
+        if let Some(again) = again {
+            // The members stand in the catalogue's order.
+            self.tried[index] = self.models.reordered(again, &effects);
+        }
     }
 
     /// Goes on with the model's own steps where the search's make a good part of what a set leaves: further effects would
@@ -271,9 +302,17 @@ impl Search<'_> {
     fn pruned(&mut self, mut best: usize) -> usize {
         loop {
             let effects = self.tried[best].effects.clone();
+            let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
             let without: Vec<usize> = effects
                 .iter()
-                .filter_map(|leaving| self.index_of(&all_but(&effects, leaving), best))
+                .filter_map(|leaving| {
+                    let rest = all_but(&effects, leaving);
+                    let needed = own.is_some_and(|own| {
+                        let left = self.observed_where_settled(best, &rest);
+                        left.is_some_and(|left| left.fit.cost > NEEDED_COST * own)
+                    });
+                    if needed { None } else { self.index_of(&rest, best) }
+                })
                 .collect();
             let floor = self.models.data.floor;
             let as_good =
@@ -295,8 +334,9 @@ impl Search<'_> {
         let cards = self.models.exact.effects(&self.models.seen);
         let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
         let mut fitted = Vec::new();
+        let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
         for leaving in &effects {
-            let Some(without) = self.index_of(&all_but(&effects, leaving), best) else { continue };
+            let rest = all_but(&effects, leaving);
             let rivals = self
                 .promises
                 .iter()
@@ -305,13 +345,31 @@ impl Search<'_> {
                 .take(RIVALS)
                 .map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() })
                 .collect();
-            let known = with_nominal_base(self.models.exact, &self.tried[without].known());
-            let beside = self.models.observing(&self.tried[without], &known);
-            fitted.extend(self.fit_all(without, beside.as_ref(), plans));
+            if own.is_some() {
+                let near = Candidate { effects: rest.clone(), ..self.tried[best].clone() };
+                let beside = self.observed_where_settled(best, &rest);
+                fitted.extend(self.fit_all(&near, beside.as_ref(), plans, own));
+            } else if let Some(without) = self.index_of(&rest, best) {
+                let near = self.tried[without].clone();
+                let known = with_nominal_base(self.models.exact, &near.known());
+                let beside = self.models.observing(&near, &known);
+                fitted.extend(self.fit_all(&near, beside.as_ref(), plans, None));
+            }
         }
         let mean = |i: usize| self.mean_square(i);
         let rival = fitted.into_iter().filter(|&i| self.tried[i].effects.len() <= effects.len());
         rival.fold(best, |a, b| if mean(b) < mean(a) { b } else { a })
+    }
+
+    /// Some members of a set that explains everything, fitted under the observer: what they leave there tells what is worth a
+    /// fit in open loop. `None` if the set leaves something, where what else is missing hides that.
+    fn observed_where_settled(&self, best: usize, effects: &[String]) -> Option<Candidate> {
+        let set = &self.tried[best];
+        if !self.models.is_settled(set, &self.tried[0]) {
+            return None;
+        }
+        let known = with_nominal_base(self.models.exact, &set.known());
+        self.models.observing(&Candidate { effects: effects.to_vec(), ..set.clone() }, &known)
     }
 
     /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are its ties. A set
