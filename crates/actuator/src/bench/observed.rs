@@ -1,7 +1,9 @@
 //! A bench under an observer: which measured motions it is pulled to, and what is missing at each port.
 
 use super::{Bench, BenchModel};
-use crate::plant::{Grid, Observer, Plant, Pull, ReferenceMotion, Trace, observer_rate, sample, smoothed};
+use crate::plant::{
+    Grid, Observer, Plant, Pull, ReferenceMotion, Trace, observer_rate, rigid_observer_rate, sample, smoothed,
+};
 use sealegs_model::{Record, Signal, internal};
 use std::sync::{Arc, Mutex};
 
@@ -26,10 +28,6 @@ const SPRING: [(&str, bool); 5] = [
 
 /// Channels that tell where the output of a drive without a spring is.
 const OUTPUT: [&str; 3] = ["position_m", "joint_angle_rad", "motor_angle_rad"];
-
-/// Natural frequency of the observer of a drive without a spring times the sampling period: it finds the missing force up
-/// to a thirtieth of the sampling rate, and an encoder's counts pull a fraction of it.
-const RIGID_RATE: f64 = 0.2;
 
 impl Observed {
     /// The motions that these records measured; `None` if one measured neither rotor nor spring, or of a drive without a
@@ -105,7 +103,7 @@ impl Observed {
         let mass = c.total_mass();
         if let Some(load) = plant.rigid {
             let (channel, scale) = self.output(record, plant, model.bench_of(&record.name).arm_m())?;
-            let rate = RIGID_RATE / record.mean_period_s().max(grid.step_s);
+            let rate = rigid_observer_rate(grid.step_s, record.mean_period_s());
             let pull = Pull::on(self.on_grid(record, channel, grid)?, scale, mass + load.mass_kg(), rate);
             return Some(Observer { rotor: Some(pull), output: None });
         }

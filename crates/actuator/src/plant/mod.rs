@@ -36,7 +36,7 @@ pub use friction::Sliding;
 pub use laws::Laws;
 pub use linear::Coordinates;
 pub use linearised::Linearised;
-pub use observer::{Observer, Pull, ReferenceMotion, observer_rate, pull_at, smoothed};
+pub use observer::{Observer, Pull, ReferenceMotion, observer_rate, pull_at, rigid_observer_rate, smoothed};
 pub use ports::{
     CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, Slip, SpringForce, SpringPath,
 };

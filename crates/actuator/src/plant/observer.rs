@@ -90,6 +90,16 @@ pub fn observer_rate(stiffness: f64, mass: f64, step_s: f64, period_s: f64) -> f
     (FASTER * (stiffness / mass).sqrt()).min(most)
 }
 
+/// Natural frequency of the observer of a drive without a spring times the sampling period: it finds the missing force up
+/// to a thirtieth of the sampling rate, and an encoder's counts pull a fraction of it.
+const RIGID_RATE: f64 = 0.2;
+
+/// Natural frequency of an observer of a body without a spring, rad/s, for a step of integration and a sampling period, s.
+#[must_use]
+pub fn rigid_observer_rate(step_s: f64, period_s: f64) -> f64 {
+    RIGID_RATE / period_s.max(step_s)
+}
+
 impl Pull {
     /// The critically damped pull of a mass, kg, at a natural frequency, rad/s.
     #[must_use]

@@ -14,6 +14,7 @@ mod file;
 mod joint;
 mod links;
 mod model;
+mod observed;
 mod simulate;
 mod tree;
 

@@ -3,6 +3,7 @@
 use super::RobotFile;
 use super::joint::{Column, Joint};
 use super::links::{self, LinkParameters};
+use super::observed::Observed;
 use super::simulate::{JointTrace, Machine};
 use super::tree::Tree;
 use crate::LegError;
@@ -40,6 +41,8 @@ pub struct RobotModel {
     starts: BTreeMap<String, Vec<(f64, f64)>>,
     step_s: f64,
     steps_per_sample: Option<f64>,
+    /// What the joints are pulled to, under an observer.
+    observed: Option<Arc<Observed>>,
 }
 
 impl RobotModel {
@@ -112,6 +115,7 @@ impl RobotModel {
             starts: BTreeMap::new(),
             step_s: STEP_S,
             steps_per_sample: None,
+            observed: None,
             file: Arc::new(file),
         };
         model.take_stated()?;
@@ -430,12 +434,28 @@ impl Model for RobotModel {
         let still = vec![(0.0, 0.0); self.joints.len()];
         let start = self.starts.get(&record.name).unwrap_or(&still);
         let names: Vec<String> = self.joints.iter().map(|j| j.name.clone()).collect();
-        let traces = machine.run(start, &commands, grid, &names)?;
-        self.sense(&machine, &traces, &grid, &record.time_s, channels)
+        let pulls = self.observed.as_ref().and_then(|observed| observed.pulls(record, &grid));
+        let traces = machine.run(start, &commands, pulls.as_deref(), grid, &names)?;
+        let mut prediction = self.sense(&machine, &traces, &grid, &record.time_s, channels)?;
+        if let Some(pulls) = pulls {
+            for (joint, trace) in traces.iter().enumerate() {
+                let channel = format!("{}.{}rotor", names[joint], internal::MISSING);
+                let damping = machine.drives[joint].damping;
+                let values = pulls.missing(joint, trace, damping, &record.time_s, &grid);
+                prediction.internals.push(Signal { channel, values });
+            }
+        }
+        Ok(prediction)
     }
 
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
         Box::new(Self { steps_per_sample: Some(steps_per_sample), ..self.clone() })
+    }
+
+    fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
+        let channels: Vec<String> = self.joints.iter().map(|j| j.channel(Column::Position)).collect();
+        let observed = Observed::of(records, &channels)?;
+        Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }
 
     fn clone_box(&self) -> Box<dyn Model> {

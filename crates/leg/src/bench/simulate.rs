@@ -3,7 +3,8 @@
 //! A step takes mass matrix and bias at the middle of the predicted motion, viscous damping implicitly and dry friction
 //! joint after joint until none changes what the others see: of second order where nothing slips or sticks.
 
-use super::tree::Tree;
+use super::observed::Pulls;
+use super::tree::{Equations, Tree};
 use nalgebra::{DMatrix, DVector};
 use sealegs_actuator::plant::{Grid, Plant, Sliding, Slip};
 use sealegs_model::ModelError;
@@ -24,6 +25,8 @@ pub(super) struct JointTrace {
     pub motor: Vec<f64>,
     /// Torque that passes from the drive to the links, N m.
     pub load: Vec<f64>,
+    /// Torque of the observer's pull over the step that ends at the point, N m; 0 without an observer.
+    pub pulled: Vec<f64>,
 }
 
 /// Sweeps over the joints' frictions; two joints need about ten.
@@ -39,7 +42,8 @@ struct Rubbed {
 }
 
 impl Machine {
-    /// The motion from `start` (position and speed by joint) under the mean `commands` over each step, joint by joint.
+    /// The motion from `start` (position and speed by joint) under the mean `commands` over each step, joint by joint;
+    /// with `pulls` each joint is pulled to its measured motion.
     ///
     /// # Errors
     ///
@@ -49,6 +53,7 @@ impl Machine {
         &self,
         start: &[(f64, f64)],
         commands: &[Vec<f64>],
+        pulls: Option<&Pulls>,
         grid: Grid,
         names: &[String],
     ) -> Result<Vec<JointTrace>, ModelError> {
@@ -61,6 +66,7 @@ impl Machine {
         let mut traces = vec![JointTrace::default(); n];
         let mut load = vec![0.0; n];
         let mut motor = vec![0.0; n];
+        let mut pulled = vec![0.0; n];
         let (mut mid_q, mut mid_v) = (vec![0.0; n], vec![0.0; n]);
         for step in 0..=grid.steps {
             for (i, trace) in traces.iter_mut().enumerate() {
@@ -68,6 +74,7 @@ impl Machine {
                 trace.speed.push(v[i]);
                 trace.motor.push(motor[i]);
                 trace.load.push(load[i]);
+                trace.pulled.push(pulled[i]);
             }
             if step == grid.steps {
                 break;
@@ -92,6 +99,10 @@ impl Machine {
                 force[i] = motor[i] + plant.laws.rotor_force(mid_q[i], mid_v[i], load[i], t) + outside
                     - equations.bias[i]
                     - plant.damping * v[i];
+            }
+            if let Some(pulls) = pulls {
+                pulls.torques(step, (&mid_q, &mid_v), |i, j| self.inertia(&equations, i, j), &mut pulled);
+                force.iter_mut().zip(&pulled).for_each(|(force, pull)| *force += pull);
             }
             let Some(inverse) = matrix.try_inverse() else {
                 let admitted = "such that every joint moves some mass";
@@ -128,6 +139,11 @@ impl Machine {
             }
         }
         Ok(traces)
+    }
+
+    /// An entry of the mass matrix with the drives' reflected inertia, kg m^2.
+    fn inertia(&self, equations: &Equations, i: usize, j: usize) -> f64 {
+        equations.mass[(i, j)] + if i == j { self.drives[i].reflected_inertia } else { 0.0 }
     }
 
     /// The frictions of all joints over a step, N m. `load` is left as what passes to the links.
