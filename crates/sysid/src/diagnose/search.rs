@@ -211,6 +211,7 @@ impl Search<'_> {
         let leaders = if models.dear { 1 } else { LEADERS as usize }.min(ranked.len());
         let mut fitted = wave(near, &ranked[..leaders]);
         models.finish_best(&mut fitted);
+        self.choose_again(&mut fitted);
         // Where derivatives are taken over, those of a set that explains more serve the others better.
         let lead = fitted.first().filter(|lead| models.dear && lead.fit.cost < near.fit.cost);
         let near = lead.cloned().unwrap_or_else(|| near.clone());
@@ -228,6 +229,17 @@ impl Search<'_> {
         fitted.extend(rest);
         self.tried.extend(fitted);
         known.into_iter().chain(first..self.tried.len()).collect()
+    }
+
+    /// Fits the lowest of some sets under the base model's other discrete choices where none explains everything: a choice
+    /// that was made while something was missing leaves what no further effect takes.
+    fn choose_again(&self, fitted: &mut [Candidate]) {
+        if self.models.dear || fitted.iter().any(|c| self.models.is_settled(c, &self.tried[0])) {
+            return;
+        }
+        if let Some(best) = fitted.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a }) {
+            *best = self.models.settled(best.clone()).0;
+        }
     }
 
     /// Fits a set that leaves something again, as [`Models::grown`] from the one that it grew from: what rests at the wrong
