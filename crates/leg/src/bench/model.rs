@@ -23,6 +23,10 @@ use std::sync::Arc;
 /// The integrator's greatest step, s.
 const STEP_S: f64 = 5e-4;
 
+/// Steps per sample that a search takes here over those that it takes of a drive with a spring: without one nothing moves
+/// faster than the samples show, and the integrator is of second order.
+const WITHOUT_SPRINGS: f64 = 0.25;
+
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 
@@ -416,7 +420,7 @@ impl Model for RobotModel {
         }
         let machine = self.machine(values)?;
         let period_s = record.mean_period_s();
-        let fewer = self.steps_per_sample.map_or(0.0, |n| period_s / n);
+        let fewer = self.steps_per_sample.map_or(0.0, |n| period_s / (n * WITHOUT_SPRINGS).max(1.0));
         let grid = Grid::covering(&record.time_s, self.step_s.max(fewer));
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
