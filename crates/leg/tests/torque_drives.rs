@@ -170,6 +170,41 @@ fn reference_friction_at_both_joints_and_an_offset() {
 }
 
 #[test]
+fn reference_an_observer_shows_the_friction_that_is_missing_where_it_is_missing() {
+    let folder = folder();
+    let (friction, truth) = (0.15, reference([0.15, 0.0], 0.0));
+    let mut record = record();
+    for (output, values) in record.outputs.iter_mut().zip(&truth) {
+        output.values.clone_from(values);
+    }
+    let model = model(folder.path()).with_starts([&record]);
+    let observing = model.observing(&[&record]).expect("both joints were measured");
+    let observed = observing.predict(&values(&model), &record, &channels()).expect("predicts");
+    let missing = |joint: &str| {
+        let values =
+            observed.internal(&format!("{joint}.{}rotor", internal::MISSING)).expect("there").to_vec();
+        // The observer needs some of its time constants, 10 ms each, to come to rest.
+        values[100..].to_vec()
+    };
+    // Away from reversals, of which the observer is late, it is the friction against the motion.
+    let speed = |n: usize| (truth[0][n + 1] - truth[0][n - 1]) / 4e-3;
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (i, found) in missing("shoulder").iter().enumerate().take(1350) {
+        let n = i + 100;
+        if (n - 25..=n + 5).all(|k| speed(k).abs() > 0.2 && speed(k) * speed(n) > 0.0) {
+            assert!((found + friction * speed(n).signum()).abs() < 0.2 * friction, "{n}: {found}");
+            sum -= found * speed(n).signum();
+            count += 1.0;
+        }
+    }
+    assert!(count > 500.0, "{count}");
+    assert!((sum / count - friction).abs() < 0.02 * friction, "{}", sum / count);
+    let mean_square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>() / v.len() as f64;
+    let elsewhere = mean_square(&missing("elbow")).sqrt();
+    assert!(elsewhere < 0.2 * friction, "{elsewhere}");
+}
+
+#[test]
 fn neutral_effects_change_nothing_and_guesses_do() {
     let (folder, record) = (folder(), record());
     let base = model(folder.path()).with_starts([&record]);
