@@ -134,7 +134,7 @@ fn improved<'p, 'd>(parts: &'p [Part<'d>]) -> Vec<Shown<'p, 'd>> {
     best.sort_by(|a, b| b.gain().total_cmp(&a.gain()));
     let least = best.first().map_or(0.0, |b| WORTH * b.gain());
     let worth = best.iter().take_while(|b| b.gain() > least).count();
-    best.truncate(worth.max(FEWEST).min(OPEN));
+    best.truncate(worth.clamp(FEWEST, OPEN));
     best
 }
 
