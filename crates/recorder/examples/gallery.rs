@@ -154,6 +154,7 @@ fn pictures(report: &mut Report) {
         ]
         .map(|(label, e, s)| Bar { label: label.into(), values: vec![e, s], text: format!("{e} %") })
         .into(),
+        ..BarChart::default()
     };
     report.figure(&shares, "Most of the error sits where the screw turns round.");
     let map = HeatMap {
@@ -174,6 +175,7 @@ fn pictures(report: &mut Report) {
         value_label: "RMS of the residual in noise units".into(),
         decimals: 1,
         shades: None,
+        ..HeatMap::default()
     };
     report.figure(&map, "Empty cells hold no samples.");
     let heights: Vec<f64> =

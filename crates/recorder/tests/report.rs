@@ -55,6 +55,8 @@ fn everything(label: &str) -> Vec<Box<dyn Picture>> {
             axis: Axis::new("Share", "%"),
             series: vec![(label.into(), Hue::Vermillion), ("samples".into(), Hue::Grey)],
             bars: vec![Bar { label: label.into(), values: vec![40.0, f64::NAN], text: label.into() }],
+            marks: vec![(12.0, label.into())],
+            row_height: None,
         }),
         Box::new(HeatMap {
             title: label.into(),

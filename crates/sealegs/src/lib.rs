@@ -47,6 +47,7 @@ pub mod leg_model;
 pub mod leg_scene;
 pub mod mystery;
 mod options;
+mod report;
 pub mod robot_model;
 pub mod sanity;
 mod simulate;

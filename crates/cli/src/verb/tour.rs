@@ -229,6 +229,7 @@ fn impact_page(peaks: &[Peak], effects: &[String]) -> String {
             (format!("with {}", effects.join(" + ")), Hue::Blue),
         ],
         bars,
+        ..BarChart::default()
     };
     let mut page = Report::new("What the missing effect costs at impact");
     if let Some(worst) = peaks.iter().reduce(|a, b| if b.change().abs() > a.change().abs() { b } else { a }) {

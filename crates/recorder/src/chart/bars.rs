@@ -1,7 +1,9 @@
 //! Horizontal bars with names and numbers: ranking of effects, shares of an error against shares of samples.
+//!
+//! Bars are proportional to their values. On a logarithmic axis, which the axis says, they begin at its lower end.
 
 use super::svg::{line, open, px, text, text_width, wrap};
-use super::{Axis, Hue, Picture, Size, Ticks};
+use super::{Axis, AxisScale, Hue, Picture, Size, Ticks};
 
 /// One row.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,7 +16,7 @@ pub struct Bar {
     pub text: String,
 }
 
-/// A chart of horizontal bars, all starting at zero.
+/// A chart of horizontal bars, all starting at zero; at the lower end of a logarithmic axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BarChart {
     /// What is shown.
@@ -25,11 +27,36 @@ pub struct BarChart {
     pub series: Vec<(String, Hue)>,
     /// The rows from top to bottom.
     pub bars: Vec<Bar>,
+    /// Reference lines: value and label.
+    pub marks: Vec<(f64, String)>,
+    /// Height of a row, if not the usual one.
+    pub row_height: Option<f64>,
 }
 
 impl BarChart {
     fn thickness(&self) -> f64 {
-        if self.series.len() > 1 { 9.0 } else { 14.0 }
+        match self.row_height {
+            Some(row) => ((row - 9.0) / self.series.len().max(1) as f64).max(4.0),
+            None if self.series.len() > 1 => 9.0,
+            None => 14.0,
+        }
+    }
+
+    /// The range of the axis: from zero, or from the least value where it is logarithmic.
+    fn range(&self) -> (f64, f64) {
+        let values = self.bars.iter().flat_map(|b| &b.values).chain(self.marks.iter().map(|(v, _)| v));
+        let shown = values.copied().filter(|v| self.axis.admits(*v));
+        match self.axis.scale {
+            AxisScale::Linear => {
+                let (low, high) = shown.fold((0.0, 0.0), |(l, h): (f64, f64), v| (l.min(v), h.max(v)));
+                self.axis.fit(low, high, 0.0)
+            }
+            AxisScale::Logarithmic => {
+                let ends = (f64::INFINITY, f64::NEG_INFINITY);
+                let (low, high) = shown.fold(ends, |(l, h): (f64, f64), v| (l.min(v), h.max(v)));
+                self.axis.fit(low, high, 0.02)
+            }
+        }
     }
 
     fn row(&self) -> f64 {
@@ -43,7 +70,11 @@ impl BarChart {
 
     fn head(&self, width: f64) -> f64 {
         let titles = wrap(&self.title, 16.0, width - 16.0).len() as f64;
-        17.0 * titles + 12.0 + if self.series.len() > 1 { 19.0 * self.legend_rows(width) } else { 0.0 }
+        let marks = if self.marks.is_empty() { 0.0 } else { 16.0 };
+        17.0 * titles
+            + 12.0
+            + marks
+            + if self.series.len() > 1 { 19.0 * self.legend_rows(width) } else { 0.0 }
     }
 
     fn legend_rows(&self, width: f64) -> f64 {
@@ -64,10 +95,18 @@ impl Picture for BarChart {
         let left = if above { 10.0 } else { (widest + 16.0).min(0.42 * size.width) };
         let ends = self.bars.iter().map(|b| text_width(&b.text, 12.0)).fold(0.0, f64::max);
         let right = size.width - ends - 16.0;
-        let values = || self.bars.iter().flat_map(|b| &b.values).copied().filter(|v| v.is_finite());
-        let range = self.axis.fit(values().fold(0.0, f64::min), values().fold(0.0, f64::max), 0.0);
+        let range = self.range();
         let ticks = Ticks::new(self.axis.scale, range, ((right - left) / 85.0).max(2.0) as usize);
-        let at = |v: f64| left + (right - left) * ((v - range.0) / (range.1 - range.0)).clamp(0.0, 1.0);
+        let logarithmic = self.axis.scale == AxisScale::Logarithmic;
+        let share = |v: f64| {
+            if logarithmic {
+                (v / range.0).ln() / (range.1 / range.0).ln()
+            } else {
+                (v - range.0) / (range.1 - range.0)
+            }
+        };
+        let at = |v: f64| left + (right - left) * share(v).clamp(0.0, 1.0);
+        let ground = if logarithmic { range.0 } else { 0.0 };
         let height = self.height(size);
         let (top, bottom) = (self.head(size.width), height - 44.0);
 
@@ -110,8 +149,8 @@ impl Picture for BarChart {
                 svg.push_str(&text(left - 8.0, middle, "end", "lab", &shortened(&bar.label, left - 12.0)));
             }
             for (i, (value, (_, hue))) in bar.values.iter().zip(&self.series).enumerate() {
-                if value.is_finite() {
-                    let (a, b) = (at(0.0).min(at(*value)), at(0.0).max(at(*value)));
+                if self.axis.admits(*value) {
+                    let (a, b) = (at(ground).min(at(*value)), at(ground).max(at(*value)));
                     svg.push_str(&rect(a, y, (b - a).max(0.8), self.thickness() - 1.0, *hue));
                     if i == 0 {
                         svg.push_str(&text(
@@ -127,7 +166,13 @@ impl Picture for BarChart {
             }
             y += 9.0;
         }
-        svg.push_str(&line((at(0.0), top), (at(0.0), bottom), "fr"));
+        svg.push_str(&line((at(ground), top), (at(ground), bottom), "fr"));
+        for (v, label) in self.marks.iter().filter(|(v, _)| self.axis.admits(*v)) {
+            svg.push_str(&line((at(*v), top - 4.0), (at(*v), bottom), "rf h0"));
+            let half = 0.5 * text_width(label, 12.0);
+            let middle = at(*v).clamp(half + 4.0, (size.width - half - 4.0).max(half + 4.0));
+            svg.push_str(&text(middle, top - 8.0, "middle", "halo", label));
+        }
         let label = super::axis::axis_label(&self.axis, ticks.exponent);
         svg.push_str(&text(0.5 * (left + right), bottom + 36.0, "middle", "lab", &label));
         svg.push_str("</svg>");
@@ -136,7 +181,7 @@ impl Picture for BarChart {
 }
 
 /// A text that fits, with an ellipsis where it had to be cut.
-fn shortened(label: &str, width: f64) -> String {
+pub(super) fn shortened(label: &str, width: f64) -> String {
     let mut out = label.to_owned();
     while text_width(&out, 12.5) > width && out.chars().count() > 2 {
         out = out.chars().take(out.chars().count() - 2).collect::<String>() + "…";

@@ -1,6 +1,7 @@
 //! A map: one value for each cell of a grid, as shade and as number.
 
 use super::axis::axis_label;
+use super::bars::shortened;
 use super::svg::{open, px, text, text_width, wrap};
 use super::{Axis, Picture, Size};
 
@@ -28,18 +29,27 @@ pub struct HeatMap {
     pub decimals: usize,
     /// Values at the lightest and the darkest shade, so that maps compare; else the least and the greatest value.
     pub shades: Option<(f64, f64)>,
+    /// Shades follow the values' logarithms.
+    pub logarithmic: bool,
+    /// Numbers have three significant digits, whatever `decimals` says.
+    pub significant: bool,
+    /// Columns are names, which are shortened where they are crowded; other labels are then left out.
+    pub names: bool,
+    /// Height of a row, if not the usual one.
+    pub row_height: Option<f64>,
 }
 
 impl Picture for HeatMap {
     fn height(&self, size: Size) -> f64 {
-        self.head(size) + 30.0 * self.rows.len() as f64 + 58.0
+        self.head(size) + self.cell_height() * self.rows.len() as f64 + 58.0
     }
 
     fn svg(&self, size: Size) -> String {
         let height = self.height(size);
         let widest = self.rows.iter().map(|r| text_width(r, 12.0)).fold(0.0, f64::max);
         let (left, right) = (30.0 + widest + 8.0, size.width - 10.0);
-        let (top, cell_height) = (self.head(size), 30.0);
+        let (top, cell_height) = (self.head(size), self.cell_height());
+        let baseline = 0.5 * cell_height + 4.5;
         let cell_width = (right - left) / self.columns.len().max(1) as f64;
         let finite = || self.values.iter().copied().filter(|v| v.is_finite());
         let own = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
@@ -54,34 +64,34 @@ impl Picture for HeatMap {
         let bottom = top + cell_height * self.rows.len() as f64;
         for (j, row) in self.rows.iter().enumerate() {
             let y = bottom - cell_height * (j + 1) as f64;
-            svg.push_str(&text(left - 7.0, y + 19.5, "end", "tick", row));
+            svg.push_str(&text(left - 7.0, y + baseline, "end", "tick", row));
             for i in 0..self.columns.len() {
                 let x = left + cell_width * i as f64;
                 let value = self.values.get(j * self.columns.len() + i).copied().unwrap_or(f64::NAN);
                 if !value.is_finite() {
                     continue;
                 }
-                let share = if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
+                let share = self.share(value, (low, high));
                 svg.push_str(&format!(
                     "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" style=\"fill:color-mix(in srgb,var(--m1) {}%,var(--m0))\"/>",
                     px(x + 1.0), px(y + 1.0), px(cell_width - 2.0), px(cell_height - 2.0), (75.0 * share).round()
                 ));
-                let number = format!("{value:.*}", self.decimals);
+                let number = self.number(value);
                 if text_width(&number, 12.0) <= cell_width {
-                    svg.push_str(&text(x + 0.5 * cell_width, y + 19.5, "middle", "lab", &number));
+                    svg.push_str(&text(x + 0.5 * cell_width, y + baseline, "middle", "lab", &number));
                 }
             }
         }
         // Crowded column names are left out one after another.
         let widest = self.columns.iter().map(|c| text_width(c, 12.0)).fold(0.0, f64::max) + 6.0;
-        let every = (widest / cell_width).ceil().max(1.0) as usize;
+        let every = if self.names { 1 } else { (widest / cell_width).ceil().max(1.0) as usize };
         for (i, column) in self.columns.iter().enumerate().step_by(every) {
             svg.push_str(&text(
                 left + cell_width * (i as f64 + 0.5),
                 bottom + 17.0,
                 "middle",
                 "tick",
-                column,
+                &if self.names { shortened(column, cell_width - 2.0) } else { column.clone() },
             ));
         }
         svg.push_str(&text(0.5 * (left + right), bottom + 37.0, "middle", "lab", &axis_label(&self.x, 0)));
@@ -96,6 +106,30 @@ impl Picture for HeatMap {
 }
 
 impl HeatMap {
+    fn cell_height(&self) -> f64 {
+        self.row_height.unwrap_or(30.0)
+    }
+
+    /// How dark a value is, 0 to 1.
+    fn share(&self, value: f64, (low, high): (f64, f64)) -> f64 {
+        let share = if self.logarithmic && low > 0.0 && value > 0.0 {
+            (value / low).ln() / (high / low).ln()
+        } else {
+            (value - low) / (high - low)
+        };
+        if high > low { share.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    fn number(&self, value: f64) -> String {
+        let decimals = match value.abs() {
+            _ if !self.significant => self.decimals,
+            v if v >= 99.95 => 0,
+            v if v >= 9.995 => 1,
+            _ => 2,
+        };
+        format!("{value:.decimals$}")
+    }
+
     fn lines(&self, size: Size) -> Vec<(String, &'static str)> {
         let wrapped = |t: &str, px: f64| wrap(t, px, size.width - 16.0);
         let title = wrapped(&self.title, 16.0).into_iter().map(|t| (t, "ttl"));

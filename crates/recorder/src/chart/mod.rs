@@ -37,6 +37,10 @@ pub struct Size {
 impl Size {
     /// For a wide window and print.
     pub const WIDE: Self = Self { width: 760.0, height: 340.0, points: 2000 };
+    /// One of two side by side.
+    pub const HALF: Self = Self { width: 640.0, height: 350.0, points: 1200 };
+    /// One of many in a grid.
+    pub const SMALL: Self = Self { width: 430.0, height: 215.0, points: 600 };
     /// For a phone.
     pub const NARROW: Self = Self { width: 370.0, height: 300.0, points: 700 };
 
@@ -61,10 +65,23 @@ pub trait Picture {
 /// A picture for a wide window and for a phone; the page's style shows one of them.
 #[must_use]
 pub fn figure_html(picture: &dyn Picture) -> String {
+    figure_at(picture, Size::WIDE)
+}
+
+/// The same with another size for a wide window.
+#[must_use]
+pub fn figure_at(picture: &dyn Picture, wide: Size) -> String {
     let draw = |size: Size| picture.svg(size.with_height(picture.height(size)));
+    let narrow = Size { points: wide.points.min(Size::NARROW.points), ..Size::NARROW };
+    format!("<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>", draw(wide), draw(narrow))
+}
+
+/// A piece of a line as it stands in a legend outside a picture.
+#[must_use]
+pub fn key(hue: Hue, dash: Dash) -> String {
     format!(
-        "<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>",
-        draw(Size::WIDE),
-        draw(Size::NARROW)
+        "<svg viewBox=\"0 0 34 12\" aria-hidden=\"true\"><path d=\"M1 6H33\" class=\"ln {}\"{}/></svg>",
+        hue.class(),
+        dash.attribute()
     )
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 /// Text as it may stand in HTML or SVG, inside an element or a quoted attribute.
 ///
-/// Control characters, which neither allows, are dropped.
+/// Control characters and noncharacters, which neither allows, are dropped.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
@@ -15,7 +15,7 @@ pub fn escape(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            '\u{FFFE}' | '\u{FFFF}' => {}
+            '\u{FFFE}' | '\u{FFFF}' | '\u{FDD0}'..='\u{FDEF}' => {}
             c if c.is_control() && !matches!(c, '\n' | '\t') => {}
             c => out.push(c),
         }

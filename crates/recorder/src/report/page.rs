@@ -1,23 +1,41 @@
 //! The frame of the page: head, style, contents, script.
 
-use crate::chart::{SCRIPT, STYLE, escape};
+use super::Text;
+use crate::chart::{SCRIPT, STYLE};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const PAGE_STYLE: &str = include_str!("page.css");
 
-pub(super) fn page(title: &str, subtitle: &str, contents: &[(String, String)], body: &str) -> String {
-    let title = escape(title);
-    let subtitle = if subtitle.is_empty() {
-        String::new()
-    } else {
-        format!("<p class=\"sub\">{}</p>", escape(subtitle))
-    };
-    let links: String =
-        contents.iter().map(|(id, heading)| format!("<a href=\"#{id}\">{}</a>", escape(heading))).collect();
-    let nav = if contents.len() > 2 { format!("<nav>{links}</nav>") } else { String::new() };
+pub(super) fn page(
+    (title, subtitle): (&str, &str),
+    wide: bool,
+    contents: &[(String, String)],
+    body: &str,
+) -> Markup {
     // The script only where something can be zoomed.
-    let script =
-        if body.contains("class=\"zoom\"") { format!("<script>{SCRIPT}</script>") } else { String::new() };
-    format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><meta name=\"color-scheme\" content=\"light dark\"><title>{title}</title><style>{STYLE}{PAGE_STYLE}</style></head>\n<body><header><h1>{title}</h1>{subtitle}</header>{nav}<main>\n{body}</main>{script}</body></html>\n"
-    )
+    let zooms = body.contains("class=\"zoom\"");
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width,initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (Text(title)) }
+                style { (PreEscaped(STYLE)) (PreEscaped(PAGE_STYLE)) }
+            }
+            body class=[wide.then_some("broad")] {
+                header {
+                    h1 { (Text(title)) }
+                    @if !subtitle.is_empty() { p.sub { (Text(subtitle)) } }
+                }
+                // A wide page answers first: its sections are folded, and named where they are.
+                @if contents.len() > 2 && !wide {
+                    nav { @for (id, heading) in contents { a href={ "#" (id) } { (Text(heading)) } } }
+                }
+                main { "\n" (PreEscaped(body)) }
+                @if zooms { script { (PreEscaped(SCRIPT)) } }
+            }
+        }
+    }
 }

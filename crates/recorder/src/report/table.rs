@@ -1,6 +1,7 @@
 //! Tables with numbers aligned to the right and units in the head.
 
-use crate::chart::escape;
+use super::Text;
+use maud::{Markup, html};
 
 /// How a column stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -66,41 +67,36 @@ impl Table {
     }
 
     /// The table as HTML, in a box that scrolls where the window is too narrow.
-    pub(super) fn html(&self, caption: &str) -> String {
+    pub(super) fn html(&self, caption: &Markup) -> Markup {
         let class = |i: usize| match self.columns.get(i).map(|c| c.align) {
-            Some(Align::Right) => " class=\"num\"",
-            _ => "",
+            Some(Align::Right) => Some("num"),
+            _ => None,
         };
-        let head: String = self
-            .columns
-            .iter()
-            .enumerate()
-            .map(|(i, c)| {
-                let unit = if c.unit.is_empty() {
-                    String::new()
-                } else {
-                    format!("<span class=\"unit\">{}</span>", escape(&c.unit))
-                };
-                format!("<th scope=\"col\"{}>{}{unit}</th>", class(i), escape(&c.name))
-            })
-            .collect();
-        let rows: String = self
-            .rows
-            .iter()
-            .map(|(cells, strong)| {
-                let width = cells.len().max(self.columns.len());
-                let cells: String = (0..width)
-                    .map(|i| {
-                        let text = cells.get(i).map_or("", String::as_str);
-                        format!("<td{}>{}</td>", class(i), escape(text))
-                    })
-                    .collect();
-                format!("<tr{}>{cells}</tr>", if *strong { " class=\"strong\"" } else { "" })
-            })
-            .collect();
-        format!(
-            "<div class=\"table\"><table><caption>{}</caption><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>\n",
-            escape(caption)
-        )
+        html! {
+            div.table {
+                table {
+                    caption { (caption) }
+                    thead {
+                        tr {
+                            @for (i, column) in self.columns.iter().enumerate() {
+                                th scope="col" class=[class(i)] {
+                                    (Text(&column.name))
+                                    @if !column.unit.is_empty() { span.unit { (Text(&column.unit)) } }
+                                }
+                            }
+                        }
+                    }
+                    tbody {
+                        @for (cells, strong) in &self.rows {
+                            tr class=[strong.then_some("strong")] {
+                                @for i in 0..cells.len().max(self.columns.len()) {
+                                    td class=[class(i)] { (Text(cells.get(i).map_or("", String::as_str))) }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
     }
 }

@@ -157,12 +157,12 @@ impl<'a> Compared<'a> {
         let error = part.shown().rms;
         let figure = crate::diagnosis::text::figures(error, 3);
         let what = if self.fit.is_some() { "after its own parameters were refitted" } else { "as it is" };
-        let runs = part.role.as_str();
+        let runs = if part.role == Role::Holdout { "held-out" } else { "fit" };
         if error <= 1.1 * self.floor.max(1.0) {
             format!("The model is at the noise floor {what}: {figure} noise units on the {runs} runs.")
         } else {
             format!(
-                "The model leaves {figure} noise units on the {runs} runs {what}; the floor is {:.2}.",
+                "The model misses the {runs} runs by {figure} noise units {what}; the noise floor is {:.2}.",
                 self.floor
             )
         }

@@ -1,44 +1,45 @@
 //! A comparison as one self-contained page.
 
-use super::Compared;
 use super::overlay::{self, Look, worst_run};
-use crate::diagnosis::outcome::parameters;
-use crate::diagnosis::provenance::Provenance;
+use super::{Compared, Summary};
+use crate::diagnosis::outcome::{MissingSignal, parameters, percent};
 use crate::diagnosis::text::{digits_for, figures};
+use crate::report::units::{capital, error, with_interval};
+use crate::report::{fails, force};
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Dash, Hue};
-use sealegs_recorder::report::{self, Report, Table, Tone};
+use sealegs_recorder::report::{self, Answer, Report, Table, Tone};
 use sealegs_sysid::frequency::ChannelResponse;
 use sealegs_sysid::locate::Region;
-use sealegs_sysid::residual;
+use sealegs_sysid::{Role, residual};
 
 /// How the two states of the model are drawn, and the one that is shown.
 const AS_GIVEN: Look = ("as given", Hue::Vermillion, Dash::Dashed);
 const REFITTED: Look = ("refitted", Hue::Blue, Dash::Solid);
 const MODEL: Look = ("model", Hue::Blue, Dash::Solid);
 
-/// The page.
+/// The page: where the model fails and what is missing there first, everything else folded.
 #[must_use]
-pub fn of(compared: &Compared, command: &str, provenance: &Provenance) -> String {
+pub fn of(compared: &Compared, summary: &Summary, command: &str) -> String {
+    let provenance = &summary.provenance;
     let mut page = Report::new(&format!("{}: where the model fails", compared.campaign.name));
-    page.subtitle(&compared.model);
-    let error = compared.parts.last().map_or(0.0, |p| p.shown().rms);
-    let tone = if error <= 1.1 * compared.floor.max(1.0) { Tone::Good } else { Tone::Bad };
-    page.verdict(tone, &compared.sentence(), "");
-    let mut numbers = Vec::new();
-    for part in &compared.parts {
-        let after = part.after.as_ref();
-        numbers.push((
-            format!("{} runs", part.role.as_str()),
-            figures(part.shown().rms, 3),
-            match after {
-                Some(_) => format!("noise units; {} as given", figures(part.before.rms, 3)),
-                None => "noise units, as given".to_owned(),
-            },
-        ));
-    }
-    let borrowed: Vec<_> = numbers.iter().map(|(a, b, c)| (a.as_str(), b.as_str(), c.as_str())).collect();
-    page.numbers(&borrowed);
+    page.wide().subtitle(&compared.model);
+    screen(&mut page, compared, summary, command);
     crate::sanity::section(&mut page, &compared.sanity);
+    page.section("Where the model fails");
+    let models = fails::Models { before: AS_GIVEN, after: REFITTED };
+    fails::map(&mut page, &compared.parts, &models);
+    fails::multiples(&mut page, &compared.parts, &models);
+    page.section("Details");
+    if !summary.missing_signals.is_empty() {
+        page.details("Missing signals at every port", |page| {
+            page.table(
+                &ports(&summary.missing_signals, |_| None),
+                "What an observer needs at each port to follow the measured motion, and what each sensor shows beyond it, root \
+                 mean square over the fit runs; the noise is what the sensors' noise alone would leave. The share is foreseen \
+                 on left-out blocks.",
+            );
+        });
+    }
     place(&mut page, compared);
     depends(&mut page, compared);
     motion(&mut page, compared);
@@ -46,45 +47,191 @@ pub fn of(compared: &Compared, command: &str, provenance: &Provenance) -> String
     values(&mut page, compared);
     errors(&mut page, compared);
     remarks(&mut page, &compared.campaign.notes);
-    page.provenance(&report::Provenance {
+    let provenance = report::Provenance {
         command: command.to_owned(),
         versions: vec![("sealegs".to_owned(), provenance.version.to_owned())],
         inputs: provenance.inputs.iter().map(|i| (i.file.clone(), format!("sha256:{}", i.sha256))).collect(),
         seed: None,
         notes: vec![("Model".to_owned(), provenance.model.clone())],
+    };
+    page.details("Provenance", |page| {
+        page.provenance_list(&provenance);
     });
     page.to_html()
 }
 
-/// Remarks that fit on a page are shown; more of them, as a logger with a bad clock has in each run, open on demand.
-const REMARKS_SHOWN: usize = 8;
+/// Error over the noise floor up to which a model is at it; the sentence of a comparison draws the same line.
+const AT_FLOOR: f64 = 1.1;
+
+/// Sentences of a card.
+const SENTENCES: usize = 3;
+
+/// The first screen: the worst channel and run, what is missing where, and over what.
+fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &str) {
+    let last = compared.parts.last();
+    let rms = last.map_or(0.0, |p| p.shown().rms);
+    let fits = rms <= AT_FLOOR * compared.floor.max(1.0);
+    let lines = last.map_or_else(Vec::new, |p| residual::table(&p.data, p.shown()));
+    let worst = lines.iter().max_by(|a, b| a.error.total_cmp(&b.error));
+    let headline = match worst {
+        Some(w) if !fits => {
+            format!("The model fails most in {}, run {}: {} noise units", w.channel, w.run, error(w.error))
+        }
+        _ => "The model is at the noise floor".to_owned(),
+    };
+    let mut values: Vec<(String, String, String)> = Vec::new();
+    for part in &compared.parts {
+        let runs = if part.role == Role::Holdout { "held-out runs" } else { "fit runs" };
+        let given = match &part.after {
+            Some(_) => format!("noise units; {} as given", error(part.before.rms)),
+            None => "noise units, as given".to_owned(),
+        };
+        values.push((runs.to_owned(), error(part.shown().rms), given));
+    }
+    values.push(("noise floor".to_owned(), error(compared.floor), "noise units".to_owned()));
+    let felt = summary.missing_signals.iter().filter(|m| m.felt);
+    let mut reasons: Vec<String> = felt.take(2).map(missing_sentence).collect();
+    if reasons.is_empty() {
+        reasons.push(compared.sentence());
+    }
+    let off = compared.fit.as_ref().map_or_else(Vec::new, parameters);
+    let off: Vec<String> = off
+        .iter()
+        .filter(|p| p.at_bound || p.is_far())
+        .take(2)
+        .map(|p| format!("{}: {}.", p.name, p.remark()))
+        .collect();
+    let (tone, certainty) = match (fits, off.is_empty()) {
+        (true, true) => (Tone::Good, "Nothing to explain"),
+        (true, false) => (Tone::Caution, "At the noise floor, with odd values"),
+        (false, _) => (Tone::Bad, "Something is missing"),
+    };
+    reasons.extend(off);
+    let answer = Answer { headline: &headline, values: &values, certainty, reasons: &reasons };
+    let bars = BarChart {
+        title: "Missing at each port, over what noise alone would show".to_owned(),
+        axis: Axis::new("missing over noise, logarithmic", "").log(),
+        series: vec![(String::new(), Hue::Vermillion)],
+        bars: summary
+            .missing_signals
+            .iter()
+            .filter(|m| m.uncertainty > 0.0)
+            .take(PORTS)
+            .map(|m| Bar {
+                label: m.port.clone(),
+                values: vec![m.rms / m.uncertainty],
+                text: with_interval(m.rms, None, &m.unit),
+            })
+            .collect(),
+        marks: vec![(1.0, "noise".to_owned())],
+        row_height: None,
+    };
+    page.first_screen(|page| {
+        page.answer(tone, &answer);
+        let over_noise = "Root mean square of what is missing at each port, from the observer, over what the sensors' noise alone \
+                          would leave there; beside each bar its size.";
+        match &summary.missing_force {
+            Some(missing) => {
+                let (chart, caption) = (force::chart(missing), force::caption(missing, &[]));
+                page.side_by_side(&[(&chart, &caption), (&bars, over_noise)]);
+            }
+            None if !bars.bars.is_empty() => {
+                page.side_by_side(&[(&bars, over_noise)]);
+            }
+            None => {
+                page.remark("The runs measure no motion that an observer could follow: the missing force is not estimated.");
+            }
+        }
+        let located: Vec<String> = compared.location.worst(SENTENCES).iter().map(|r| r.sentence()).collect();
+        let follows: Vec<String> = compared
+            .tests
+            .iter()
+            .filter(|t| t.depends())
+            .take(SENTENCES)
+            .map(|t| format!("{}: {}.", capital(t.on), t.suggests))
+            .collect();
+        let mut next = Vec::new();
+        if !fits {
+            next.push("Find the effect that is missing:".to_owned());
+            next.push(format!("$ {}", command_of_diagnosis(command)));
+        }
+        let mut cards = vec![("Where the residual sits", located), ("What it depends on", follows)];
+        cards.push(("What to do next", next));
+        cards.retain(|(_, lines)| !lines.is_empty());
+        page.cards(&cards);
+    });
+}
+
+/// Ports that are drawn.
+const PORTS: usize = 10;
+
+/// What is missing at a port, and what it depends on.
+fn missing_sentence(m: &MissingSignal) -> String {
+    let size = with_interval(m.rms, None, &m.unit);
+    let noise = with_interval(m.uncertainty, None, &m.unit);
+    let depends = match m.depends_on.first() {
+        Some(on) => format!("it depends on {on} ({} of it on left-out blocks)", percent(m.explained)),
+        None => "it depends on none of the signals that were tried".to_owned(),
+    };
+    format!("Missing at {}: {size} root mean square (noise alone: {noise}); {depends}.", m.port)
+}
+
+/// The command that diagnoses what a command compared.
+fn command_of_diagnosis(command: &str) -> String {
+    let mut words = command.split_whitespace().skip_while(|w| *w != "compare");
+    let campaign = words.nth(1).filter(|w| !w.starts_with('-')).unwrap_or("CAMPAIGN");
+    format!("sealegs diagnose {campaign} --report diagnose.html")
+}
+
+/// The missing signals of all ports as a table; `after` finds a port's in another model.
+pub(crate) fn ports<'a>(
+    signals: &[MissingSignal],
+    after: impl Fn(&str) -> Option<&'a MissingSignal>,
+) -> Table {
+    let any = signals.iter().any(|m| after(&m.port).is_some());
+    let mut table = Table::new().words("port").numbers("missing", "rms");
+    if any {
+        table = table.numbers("after", "rms");
+    }
+    table = table.numbers("noise", "rms").words("depends on").numbers("share", "");
+    for m in signals {
+        let mut cells = vec![m.port.clone(), with_interval(m.rms, None, &m.unit)];
+        if any {
+            cells.push(after(&m.port).map_or_else(String::new, |a| with_interval(a.rms, None, &a.unit)));
+        }
+        cells.push(with_interval(m.uncertainty, None, &m.unit));
+        cells.push(m.depends_on.join(", "));
+        cells.push(if m.depends_on.is_empty() { String::new() } else { percent(m.explained) });
+        if m.felt {
+            table.strong_row(cells)
+        } else {
+            table.row(cells)
+        };
+    }
+    table
+}
 
 /// What a person should know of the files.
 pub(crate) fn remarks(page: &mut Report, notes: &[String]) {
     if notes.is_empty() {
         return;
     }
-    page.section("Remarks on the files");
-    if notes.len() <= REMARKS_SHOWN {
+    page.details(&format!("Remarks on the files ({})", notes.len()), |page| {
         page.list(notes);
-    } else {
-        page.details(&format!("All {} remarks", notes.len()), |page| {
-            page.list(notes);
-        });
-    }
+    });
 }
 
+/// The regions in which the residual sits.
 pub(crate) fn place(page: &mut Report, compared: &Compared) {
-    page.section("Where it sits");
     let worst = compared.location.worst(5);
-    if worst.is_empty() {
-        page.paragraph("The residual sits nowhere in particular.");
-    } else {
-        page.list(&worst.iter().map(|r| r.sentence()).collect::<Vec<_>>());
-    }
     let mut axes: Vec<String> = compared.location.regions.iter().map(Region::subject).collect();
     axes.dedup();
-    page.details("All regions", |page| {
+    page.details("Where the residual sits", |page| {
+        if worst.is_empty() {
+            page.paragraph("The residual sits nowhere in particular.");
+        } else {
+            page.list(&worst.iter().map(|r| r.sentence()).collect::<Vec<_>>());
+        }
         for axis in axes {
             let bars = compared.location.regions.iter().filter(|r| r.subject() == axis);
             let chart = BarChart {
@@ -104,14 +251,15 @@ pub(crate) fn place(page: &mut Report, compared: &Compared) {
                         text: format!("{} noise units", figures(r.error, 3)),
                     })
                     .collect(),
+                ..BarChart::default()
             };
             page.figure(&chart, &format!("Share of the squared error and of the samples by {axis}."));
         }
     });
 }
 
+/// What the residual depends on.
 pub(crate) fn depends(page: &mut Report, compared: &Compared) {
-    page.section("What it depends on");
     let mut table = Table::new()
         .words("residual against")
         .numbers("explains", "%")
@@ -119,29 +267,42 @@ pub(crate) fn depends(page: &mut Report, compared: &Compared) {
         .words("suggests");
     for t in &compared.tests {
         let on = t.detail.as_ref().map_or_else(|| t.on.to_owned(), |d| format!("{} ({d})", t.on));
+        // As many meaningless signals could explain everything: such a test says nothing.
+        let silent = t.by_chance >= 1.0;
         let cells = [
             on,
-            figures(100.0 * t.explained, 2),
-            figures(100.0 * t.by_chance, 2),
-            if t.depends() { t.suggests.to_owned() } else { "nothing".to_owned() },
+            figures(100.0 * t.explained.min(1.0), 2),
+            if silent { "-".to_owned() } else { figures(100.0 * t.by_chance, 2) },
+            match (silent, t.depends()) {
+                (true, _) => "too few independent samples to tell".to_owned(),
+                (_, true) => t.suggests.to_owned(),
+                _ => "nothing".to_owned(),
+            },
         ];
-        if t.depends() {
+        if t.depends() && !silent {
             table.strong_row(cells)
         } else {
             table.row(cells)
         };
     }
-    page.table(&table, "Share of the squared residual that each dependence explains.");
+    page.details("What the residual depends on", |page| {
+        page.table(
+            &table,
+            "Share of the squared residual that each dependence explains, and the share that as many meaningless signals \
+             would explain.",
+        );
+    });
 }
 
 /// Measured and predicted in time, with the residual below, for the worst run of each role.
 fn motion(page: &mut Report, compared: &Compared) {
-    page.section("Measured and predicted");
-    for part in &compared.parts {
-        let mut models = vec![(AS_GIVEN, &part.before)];
-        models.extend(part.after.as_ref().map(|after| (REFITTED, after)));
-        overlay::in_time(page, part, worst_run(part, part.shown()), &models);
-    }
+    page.details("All channels in time, in the worst run of each role", |page| {
+        for part in &compared.parts {
+            let mut models = vec![(AS_GIVEN, &part.before)];
+            models.extend(part.after.as_ref().map(|after| (REFITTED, after)));
+            overlay::in_time(page, part, worst_run(part, part.shown()), &models);
+        }
+    });
 }
 
 fn responses(page: &mut Report, responses: &[ChannelResponse]) {
@@ -149,15 +310,15 @@ fn responses(page: &mut Report, responses: &[ChannelResponse]) {
     if drawn.is_empty() {
         return;
     }
-    page.section("Frequency responses");
-    for r in drawn {
-        overlay::in_frequency(page, r, &[(MODEL, &r.predicted)]);
-    }
+    page.details("Frequency responses", |page| {
+        for r in drawn {
+            overlay::in_frequency(page, r, &[(MODEL, &r.predicted)]);
+        }
+    });
 }
 
 fn values(page: &mut Report, compared: &Compared) {
     let Some(fit) = &compared.fit else { return };
-    page.section("Parameters");
     let mut table = Table::new()
         .words("parameter")
         .numbers("value", "")
@@ -175,14 +336,7 @@ fn values(page: &mut Report, compared: &Compared) {
             v.remark(),
         ]);
     }
-    page.table(&table, "The model's own parameters after the refit.");
-    if fit.std_inflation > 1.5 {
-        page.remark(
-            "The residual is not noise. Standard errors follow from how far stretches of the runs disagree; they \
-             say how far the values would wander under the same wrong model, not how far they are from the truth.",
-        );
-    }
-    let mut table = Table::new()
+    let mut sensors = Table::new()
         .words("sensor")
         .numbers("gain", "")
         .numbers("bias", "")
@@ -190,7 +344,7 @@ fn values(page: &mut Report, compared: &Compared) {
         .numbers("runs scatter by", "");
     for s in fit.sensors() {
         let gain = if s.gain_at_limit { format!("{:.4} (limit)", s.gain) } else { format!("{:.4}", s.gain) };
-        table.row([
+        sensors.row([
             s.channel.clone(),
             gain,
             figures(s.bias, 3),
@@ -198,29 +352,40 @@ fn values(page: &mut Report, compared: &Compared) {
             figures(s.bias_spread, 2),
         ]);
     }
-    page.table(&table, "Sensors: measured = gain x true + bias.");
+    page.details("Parameters and sensors", |page| {
+        page.table(&table, "The model's own parameters after the refit, SI units.");
+        if fit.std_inflation > 1.5 {
+            page.remark(
+                "The residual is not noise. Standard errors follow from how far stretches of the runs disagree; they \
+                 say how far the values would wander under the same wrong model, not how far they are from the truth.",
+            );
+        }
+        page.table(&sensors, "Sensors: measured = gain x true + bias.");
+    });
 }
 
 fn errors(page: &mut Report, compared: &Compared) {
-    page.section("By run and channel");
+    // The errors come first: a narrow window shows them without scrolling.
     let mut table = Table::new()
-        .words("run")
-        .words("role")
         .words("channel")
         .numbers("error", "noise units")
         .numbers("of signal", "%")
         .numbers("rms", "")
-        .words("unit");
+        .words("unit")
+        .words("run")
+        .words("role");
     for l in compared.parts.iter().flat_map(|p| residual::table(&p.data, p.shown())) {
         table.row([
-            l.run,
-            l.role.as_str().to_owned(),
             l.channel.clone(),
             figures(l.error, 4),
             figures(l.percent, 3),
             figures(l.rms, 3),
             super::text::unit(&l.channel).to_owned(),
+            l.run,
+            l.role.as_str().to_owned(),
         ]);
     }
-    page.table(&table, "Errors of every run and channel.");
+    page.details("Errors of every run and channel", |page| {
+        page.table(&table, "Errors of every run and channel.");
+    });
 }

@@ -2,7 +2,8 @@
 
 use super::Compared;
 use sealegs_recorder::recording::{ComparedChannel, ComparedRun, Comparison};
-use sealegs_sysid::Evaluation;
+use sealegs_sysid::data::DataRun;
+use sealegs_sysid::{Evaluation, stats};
 
 /// Measured, as given and refitted, with the residuals, of every run.
 #[must_use]
@@ -17,7 +18,7 @@ pub fn of(compared: &Compared, summary_markdown: String) -> Comparison {
                 Some(predicted.iter().map(|p| sensor.gain * p + bias).collect())
             };
             runs.push(ComparedRun {
-                name: format!("run-{:02} {} ({})", run.index + 1, run.record.name, run.role.as_str()),
+                name: name_of(run),
                 time_s: run.record.time_s.clone(),
                 channels: (0..run.names.len())
                     .map(|slot| ComparedChannel {
@@ -31,5 +32,26 @@ pub fn of(compared: &Compared, summary_markdown: String) -> Comparison {
             });
         }
     }
+    // It opens on the first run and its first channel: the worst of the held-out runs.
+    if let Some((run, channel)) = worst(compared) {
+        runs.sort_by_key(|r: &ComparedRun| r.name != run);
+        for run in &mut runs {
+            run.channels.sort_by_key(|c| c.name != channel);
+        }
+    }
     Comparison { name: compared.campaign.name.clone(), runs, summary_markdown }
+}
+
+/// A run's name in the recording.
+fn name_of(run: &DataRun) -> String {
+    format!("run-{:02} {} ({})", run.index + 1, run.record.name, run.role.as_str())
+}
+
+/// The run and channel with the greatest error among the held-out runs, or the fit runs if there are no others.
+fn worst(compared: &Compared) -> Option<(String, String)> {
+    let part = compared.parts.last()?;
+    let at = part.shown();
+    let worst = at.blocks.iter().max_by(|a, b| stats::rms(&a.residual).total_cmp(&stats::rms(&b.residual)))?;
+    let run = &part.data.runs[worst.run];
+    Some((name_of(run), run.names[worst.slot].clone()))
 }

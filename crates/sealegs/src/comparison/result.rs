@@ -6,6 +6,7 @@ use crate::diagnosis::provenance::Provenance;
 use crate::stoppable::{Stoppable, unless_stopped};
 use crate::{Options, Result};
 use sealegs_recorder::recording;
+use sealegs_sysid::diagnose::missing_signals;
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, Role};
 use std::time::{Duration, Instant};
 
@@ -46,8 +47,13 @@ pub fn compare(campaign: &Campaign, options: impl Into<Options>) -> Result<Compa
     options.tell("refitting the model's own parameters");
     let stoppable = Stoppable::new(model.as_ref(), &options);
     let done = unless_stopped(&options, compared(&campaign, &stoppable, model.as_ref(), options.as_is))?;
+    options.tell("estimating what is missing at each port");
+    let ports = match done.part(Role::Fit) {
+        Some(part) => unless_stopped(&options, missing_signals(&part.data, &stoppable, done.fit.as_ref()))?,
+        None => Vec::new(),
+    };
     let provenance = Provenance::of_campaign(&campaign, model.name(), &options.files())?;
-    let summary = Summary::new(&done, provenance);
+    let summary = Summary::new(&done, &ports, provenance);
     let Compared { fit, parts, work, .. } = done;
     let evaluated = parts.into_iter().map(|p| (p.role, p.before, p.after)).collect();
     Ok(Comparison {
@@ -102,7 +108,7 @@ impl Comparison {
     ///
     /// None for the campaign that was compared.
     pub fn to_text(&self) -> Result<String> {
-        Ok(text(&self.view()?, self.took))
+        Ok(text(&self.view()?, &self.summary, self.took))
     }
 
     /// The report as one HTML file without anything outside it.
@@ -111,7 +117,7 @@ impl Comparison {
     ///
     /// None for the campaign that was compared.
     pub fn to_html(&self) -> Result<String> {
-        Ok(page(&self.view()?, &self.command, &self.summary.provenance))
+        Ok(page(&self.view()?, &self.summary, &self.command))
     }
 
     /// Measured, predicted and residual of every run and channel.

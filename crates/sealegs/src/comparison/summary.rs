@@ -1,8 +1,9 @@
 //! A comparison as JSON; the keys of `base` are those of `diagnose`.
 
 use super::{Compared, worst_of_response};
-use crate::diagnosis::outcome::{ParameterValue, SensorValue, parameters, sensors};
+use crate::diagnosis::outcome::{ForceSaid, MissingSignal, ParameterValue, SensorValue, parameters, sensors};
 use crate::diagnosis::provenance::Provenance;
+use sealegs_sysid::diagnose::Port;
 use sealegs_sysid::sanity::Finding;
 use sealegs_sysid::{Role, residual};
 use serde::Serialize;
@@ -28,6 +29,11 @@ pub struct Summary {
     pub base: Base,
     /// Pairs of parameters with a correlation of more than 0.9: names and value.
     pub correlations: Vec<(String, String, f64)>,
+    /// What is missing at each port, before anything is searched; the most important first, as in `diagnose`. Empty where
+    /// the fit runs measure no motion that could be followed.
+    pub missing_signals: Vec<MissingSignal>,
+    /// The first of them that depends on something, over what it depends on.
+    pub missing_force: Option<ForceSaid>,
     /// By run and channel.
     pub channels: Vec<Line>,
     /// The worst regions as sentences.
@@ -156,7 +162,7 @@ pub struct Repeat {
 impl Summary {
     /// Everything that is said of a comparison.
     #[must_use]
-    pub fn new(compared: &Compared, provenance: Provenance) -> Self {
+    pub fn new(compared: &Compared, ports: &[Port], provenance: Provenance) -> Self {
         let before = |role| compared.part(role).map(|p| p.before.rms);
         let shown = |role| compared.part(role).map(|p| p.shown().rms);
         let name = |i: usize| compared.campaign.runs[i].record.name.clone();
@@ -179,6 +185,8 @@ impl Summary {
                 let name = |i: usize| f.parameters[i].name.clone();
                 f.correlations(0.9).iter().map(|c| (name(c.first), name(c.second), c.value)).collect()
             }),
+            missing_signals: ports.iter().map(MissingSignal::of).collect(),
+            missing_force: ForceSaid::of_ports(ports),
             channels: compared
                 .parts
                 .iter()

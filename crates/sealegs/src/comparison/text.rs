@@ -1,16 +1,20 @@
 //! A comparison for a terminal.
 
-use super::{Compared, worst_of_response};
+use super::{Compared, Summary, worst_of_response};
 use crate::diagnosis::outcome::parameters;
 use crate::diagnosis::text::{figures, parameter_lines};
+use crate::report::units::with_interval;
 use sealegs_model::Unit;
 use sealegs_sysid::{Role, residual};
 use std::fmt::Write;
 use std::time::Duration;
 
+/// Ports that are listed.
+const PORTS: usize = 8;
+
 /// The whole text.
 #[must_use]
-pub fn of(compared: &Compared, took: Duration) -> String {
+pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
     let mut out = String::new();
     let campaign = compared.campaign;
     let count = |role| campaign.runs_of(role).count();
@@ -56,6 +60,21 @@ pub fn of(compared: &Compared, took: Duration) -> String {
                 figures(s.bias, 3),
                 unit(&s.channel),
                 figures(s.bias_spread, 2)
+            );
+        }
+    }
+    if !summary.missing_signals.is_empty() {
+        let _ = writeln!(out, "\nMissing at each port, rms            missing      noise  depends on");
+        for m in summary.missing_signals.iter().take(PORTS) {
+            let on = m.depends_on.first().map_or(String::new(), |on| {
+                format!("{on} ({} of it)", crate::diagnosis::outcome::percent(m.explained))
+            });
+            let _ = writeln!(
+                out,
+                "  {:<30} {:>12} {:>10}  {on}",
+                m.port,
+                with_interval(m.rms, None, &m.unit),
+                with_interval(m.uncertainty, None, &m.unit)
             );
         }
     }

@@ -4,7 +4,7 @@ use super::outcome::{ParameterValue, Side, parameters, sensors};
 use super::provenance::Provenance;
 use crate::{Error, Result};
 use sealegs_model::{Excitation, Model, ModelError};
-use sealegs_sysid::diagnose::{Candidate, Models};
+use sealegs_sysid::diagnose::{Candidate, MissingForce, Models, missing_force};
 use sealegs_sysid::{Campaign, Data, Evaluation, Role};
 use serde::Serialize;
 
@@ -18,6 +18,8 @@ pub struct Added {
     pub after: Candidate,
     /// What the fit runs measured and how hard they drove the model.
     pub seen: Excitation,
+    /// What is missing without them and what they give, where the runs measure a motion to follow.
+    pub force: Option<MissingForce>,
     /// Without them on the holdout runs, if there are any.
     pub before_holdout: Option<Evaluation>,
     /// With them.
@@ -114,6 +116,7 @@ pub fn add(
         reason: format!("{} cannot be simulated with {}", model.name(), effects.join(" + ")),
     })?;
     let before = models.polished(&base);
+    let force = missing_force(&models, &after, &[]);
     let seen = models.seen;
     let mut work = data.work();
     let (mut before_holdout, mut after_holdout) = (None, None);
@@ -125,7 +128,7 @@ pub fn add(
         let more = holdout.work();
         work = (work.0 + more.0, work.1 + more.1);
     }
-    Ok(Added { effects: effects.to_vec(), seen, before, after, before_holdout, after_holdout, work })
+    Ok(Added { effects: effects.to_vec(), seen, force, before, after, before_holdout, after_holdout, work })
 }
 
 /// Whether the model can have all of these effects.

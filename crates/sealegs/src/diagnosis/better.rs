@@ -1,7 +1,8 @@
 //! A model that was made better: the errors without and with the effects that were added, and the file that follows.
 
 use super::addition::{self, Added, Summary};
-use super::outcome::{Outcome, Ranked, RungSaid, Side, Work, parameters, percent};
+use super::confidence::Confidence;
+use super::outcome::{ForceSaid, Outcome, Ranked, RungSaid, Side, Work, parameters, percent};
 use super::provenance::Provenance;
 use super::story::{Sides, Story};
 use super::{page, text};
@@ -249,6 +250,7 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
         traces: Vec::new(),
         missing_signals: Vec::new(),
         missing_after: Vec::new(),
+        missing_force: added.force.as_ref().map(ForceSaid::of),
         ranking: vec![Ranked {
             effects: added.effects.clone(),
             holdout_error: after.holdout_error,
@@ -266,6 +268,7 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
         unexplained_share: share,
         next_experiment: String::new(),
         sentence,
+        confidence: Confidence::default(),
         remainder: Vec::new(),
         sanity: Vec::new(),
         notes: campaign.notes.clone(),

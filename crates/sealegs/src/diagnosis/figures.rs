@@ -10,17 +10,18 @@ use sealegs_recorder::report::Report;
 use sealegs_sysid::{Evaluation, stats};
 
 /// How the two models are drawn.
-const BEFORE: Look = ("before", Hue::Vermillion, Dash::Dashed);
-const AFTER: Look = ("after", Hue::Blue, Dash::Solid);
+pub(super) const BEFORE: Look = ("before", Hue::Vermillion, Dash::Dashed);
+pub(super) const AFTER: Look = ("after", Hue::Blue, Dash::Solid);
 
 /// Measured, before and after in time, with the residuals below, of the worst run of each role.
 pub fn motion(page: &mut Report, story: &Story) {
-    page.section("Measured, before and after in time");
-    for part in story.compared.parts.iter().rev() {
-        let mut models = vec![(BEFORE, &part.before)];
-        models.extend(part.after.as_ref().map(|after| (AFTER, after)));
-        overlay::in_time(page, part, worst_run(part, &part.before), &models);
-    }
+    page.details("All channels in time, in the worst run of each role", |page| {
+        for part in story.compared.parts.iter().rev() {
+            let mut models = vec![(BEFORE, &part.before)];
+            models.extend(part.after.as_ref().map(|after| (AFTER, after)));
+            overlay::in_time(page, part, worst_run(part, &part.before), &models);
+        }
+    });
 }
 
 /// Frequency responses, measured, before and after.
@@ -29,13 +30,14 @@ pub fn responses(page: &mut Report, story: &Story) {
     if drawn.is_empty() {
         return;
     }
-    page.section("Measured, before and after in frequency");
-    for r in drawn {
-        let after = story.after_responses.iter().find(|a| a.channel == r.channel);
-        let mut models = vec![(BEFORE, &r.predicted)];
-        models.extend(after.map(|a| (AFTER, &a.predicted)));
-        overlay::in_frequency(page, r, &models);
-    }
+    page.details("Frequency responses", |page| {
+        for r in drawn {
+            let after = story.after_responses.iter().find(|a| a.channel == r.channel);
+            let mut models = vec![(BEFORE, &r.predicted)];
+            models.extend(after.map(|a| (AFTER, &a.predicted)));
+            overlay::in_frequency(page, r, &models);
+        }
+    });
 }
 
 /// Rows and columns of a map.
@@ -96,9 +98,9 @@ pub fn maps(page: &mut Report, story: &Story) {
             value_label: "root mean square residual, noise units".to_owned(),
             decimals: 1,
             shades: None,
+            ..HeatMap::default()
         }
     };
-    page.section("Residual maps");
     let mut before = map("Before, by speed and load", &|p| Some(p.before.clone()));
     // One scale of shades for both, from the noise floor: what is gone is seen to be gone.
     let most = before.values.iter().copied().filter(|v| v.is_finite()).fold(1.0, f64::max);
@@ -109,10 +111,12 @@ pub fn maps(page: &mut Report, story: &Story) {
         maps.push(HeatMap { shades: Some((1.0, most)), ..after });
     }
     let pictures: Vec<&dyn Picture> = maps.iter().map(|m| m as &dyn Picture).collect();
-    page.figure_of(
-        &pictures,
-        "Residual of all runs and channels by predicted speed and load, shaded from the noise up; empty: no data.",
-    );
+    page.details("Residual by speed and load", |page| {
+        page.figure_of(
+            &pictures,
+            "Residual of all runs and channels by predicted speed and load, shaded from the noise up; empty: no data.",
+        );
+    });
 }
 
 /// One slow cycle of both models, in which friction, play, slip and a spring's curve show as a loop, where an
@@ -122,19 +126,20 @@ pub fn law(page: &mut Report, story: &Story) {
     let (of_spring, with_friction) = (["hysteresis", "backlash", "spring", "compliance"], ["friction"]);
     let (label, unit_across, words, tells) = match &cycle.across {
         Across::Command(input) => {
-            let tells = "the width of the loop is what friction, play or slip take, its bend is the spring's";
+            let tells =
+                "the width of the loop is what friction, play or slip take, its curvature is the spring's";
             (input.as_str(), unit(input), [of_spring.as_slice(), &with_friction].concat(), tells)
         }
         Across::Deflection => {
             let metric = if cycle.output.ends_with("_nm") { "rad" } else { "m" };
-            let tells = "a flat piece is play, the width what slip and damping take, the bend the spring's";
+            let tells =
+                "a flat piece is play, the width what slip and damping take, the curvature the spring's";
             ("spring deflection", metric, of_spring.to_vec(), tells)
         }
     };
     if !story.outcome.effects.iter().any(|e| words.iter().any(|w| e.contains(w))) {
         return;
     }
-    page.section("Loop");
     let chart = Chart::new(
         &format!("{} over {label} in one slow cycle", cycle.output),
         Axis::new(label, unit_across),
@@ -143,5 +148,7 @@ pub fn law(page: &mut Report, story: &Story) {
     .line(BEFORE.0, BEFORE.1, BEFORE.2, cycle.before.clone())
     .line(AFTER.0, AFTER.1, AFTER.2, cycle.after.clone());
     let caption = format!("Both models under one slow cycle of {:.0} s, simulated: {tells}.", cycle.seconds);
-    page.figure(&chart, &caption);
+    page.details("One slow cycle", |page| {
+        page.figure(&chart, &caption);
+    });
 }

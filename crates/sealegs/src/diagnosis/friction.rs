@@ -125,14 +125,13 @@ pub fn curve(page: &mut Report, story: &Story) {
             .line("after", Hue::Blue, Dash::Solid, less(&after))
     };
     let (whole, dry) = (chart("Friction against speed", 0.0), chart("Without what is viscous", slope));
-    page.section("Friction against speed");
-    page.figure_of(
-        &[&whole, &dry],
-        &format!(
-            "What of {} neither reaches {} nor accelerates the drive, by ranges of speed, over all runs: measured, \
-             and as the two models predict it. What reaches the load and what accelerates is by the model after. Dry friction is \
-             the step at standstill, viscous friction the slope; below, without the slope of the model after.",
-            channels.command, channels.load
-        ),
+    let caption = format!(
+        "What of {} neither reaches {} nor accelerates the drive, by ranges of speed, over all runs: measured, and as the two \
+         models predict it. What reaches the load and what accelerates is by the model after. Dry friction is the step at \
+         standstill, viscous friction the slope; below, without the slope of the model after.",
+        channels.command, channels.load
     );
+    page.details("Friction against speed, without an observer", |page| {
+        page.figure_of(&[&whole, &dry], &caption);
+    });
 }

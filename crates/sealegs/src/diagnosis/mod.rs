@@ -2,8 +2,10 @@
 
 pub mod addition;
 mod better;
+pub mod confidence;
 mod figures;
 mod friction;
+mod headline;
 pub mod outcome;
 mod page;
 pub mod plan;

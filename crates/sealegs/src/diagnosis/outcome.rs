@@ -1,7 +1,8 @@
 //! A diagnosis in the data contract's words: what `--json` writes and what text and report print.
 
+use super::confidence::Confidence;
 use sealegs_sysid::Fit;
-use sealegs_sysid::diagnose::{Diagnosis, Judged, OpenChoice, Port, VerdictKind};
+use sealegs_sysid::diagnose::{Diagnosis, Judged, MissingForce, OpenChoice, Port, VerdictKind};
 use sealegs_sysid::sanity::Finding;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -11,7 +12,7 @@ use std::collections::BTreeMap;
 pub struct Outcome {
     /// The campaign's name.
     pub campaign: String,
-    /// The floor of errors, in noise units.
+    /// The noise floor, in noise units.
     pub noise_floor: f64,
     /// The refitted base model.
     pub base: Side,
@@ -38,12 +39,17 @@ pub struct Outcome {
     pub missing_signals: Vec<MissingSignal>,
     /// The same beside the named effects, where they leave something.
     pub missing_after: Vec<MissingSignal>,
+    /// What is missing at the most important port over what it depends on, with the named effects' law; none where the
+    /// runs measure no motion that could be followed.
+    pub missing_force: Option<ForceSaid>,
     /// Sets by their prediction of left-out stretches, best first.
     pub ranking: Vec<Ranked>,
     /// Which experiment would tell more.
     pub next_experiment: String,
     /// The verdict in one sentence.
     pub sentence: String,
+    /// How sure the verdict is, and why.
+    pub confidence: Confidence,
     /// What is left and not explained: its frequency, what it follows, where it is largest; empty where nothing is left.
     pub remainder: Vec<String>,
     /// What seems wrong with the log itself; found before anything was fitted.
@@ -107,6 +113,8 @@ pub struct MissingSignal {
     pub rms: f64,
     /// Root mean square that the sensors' noise alone would leave.
     pub uncertainty: f64,
+    /// Whether it is more than noise.
+    pub felt: bool,
     /// What it depends on, the best first: those that foresee nearly as much as the best, the simplest of them first.
     pub depends_on: Vec<String>,
     /// Share of it above the noise that the first foresees on left-out blocks of the fit runs.
@@ -142,6 +150,75 @@ pub struct CurveSaid {
     pub std: Vec<f64>,
 }
 
+/// A missing force, or what a sensor shows too much, in bins of what it depends on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForceSaid {
+    /// The port, as in [`MissingSignal::port`].
+    pub port: String,
+    /// The unit of the ordinates.
+    pub unit: String,
+    /// The dependence, as in [`MissingSignal::depends_on`].
+    pub depends_on: String,
+    /// The abscissa in words.
+    pub over: String,
+    /// Its unit.
+    pub over_unit: String,
+    /// What the ordinates were divided by: `1`, `direction`, `deflection` or `command`.
+    pub divided_by: String,
+    /// Root mean square that the sensors' noise alone would leave, in the port's unit.
+    pub noise: f64,
+    /// Share of the port's mean square that the named effects give; none where nothing is named.
+    pub explained_by_law: Option<f64>,
+    /// The bins; two branches where it matters whether the abscissa grows or shrinks.
+    pub branches: Vec<BranchSaid>,
+}
+
+/// Bins that belong to one line; all lists are of one length.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BranchSaid {
+    /// `growing` or `shrinking`; empty for the only branch.
+    pub label: String,
+    /// Mean abscissas, ascending.
+    pub x: Vec<f64>,
+    /// Means of what is missing.
+    pub y: Vec<f64>,
+    /// One standard error of each.
+    pub std: Vec<f64>,
+    /// What the named effects give there.
+    pub law: Option<Vec<f64>>,
+}
+
+impl ForceSaid {
+    /// What is said of a missing force.
+    #[must_use]
+    pub fn of(force: &MissingForce) -> Self {
+        let branch = |b: &sealegs_sysid::diagnose::Branch| BranchSaid {
+            label: b.label.to_owned(),
+            x: b.bins.iter().map(|b| b.x).collect(),
+            y: b.bins.iter().map(|b| b.y).collect(),
+            std: b.bins.iter().map(|b| b.std).collect(),
+            law: b.bins.iter().map(|b| b.law).collect(),
+        };
+        Self {
+            port: force.port.clone(),
+            unit: force.unit.clone(),
+            depends_on: force.on.clone(),
+            over: force.over.clone(),
+            over_unit: force.over_unit.clone(),
+            divided_by: force.times.to_owned(),
+            noise: force.noise,
+            explained_by_law: force.by_law,
+            branches: force.branches.iter().map(branch).filter(|b| !b.x.is_empty()).collect(),
+        }
+    }
+
+    /// That of the first of some ports that has one.
+    #[must_use]
+    pub fn of_ports(ports: &[Port]) -> Option<Self> {
+        ports.iter().find_map(|p| p.force.as_ref()).map(Self::of)
+    }
+}
+
 /// Shares that are this near to the best one's are said as well.
 const NEARLY: f64 = 0.05;
 
@@ -157,6 +234,7 @@ impl MissingSignal {
             unit: missing.unit.clone(),
             rms: missing.rms,
             uncertainty: missing.std,
+            felt: missing.is_felt(),
             depends_on: near.map(|d| d.on.to_owned()).collect(),
             explained: depends.first().map_or(0.0, |d| d.explained),
             shares: depends.iter().map(|d| Share { on: d.on.to_owned(), explained: d.explained }).collect(),
@@ -198,14 +276,20 @@ pub struct ParameterValue {
 const FAR_FROM_NOMINAL: f64 = 3.0;
 
 impl ParameterValue {
+    /// Whether the value ended far from what is known of it.
+    #[must_use]
+    pub fn is_far(&self) -> bool {
+        !self.fixed && self.from_nominal.is_some_and(|far| far.abs() > FAR_FROM_NOMINAL)
+    }
+
     /// What a person should know of the value; empty where there is nothing.
     #[must_use]
     pub fn remark(&self) -> String {
         match (self.at_bound, self.felt, self.from_nominal) {
             (true, ..) => "at its bound".to_owned(),
-            (_, false, _) => "not felt by these data".to_owned(),
-            (.., Some(far)) if far.abs() > FAR_FROM_NOMINAL => {
-                format!("far from nominal: {:.1} of its standard deviations", far.abs())
+            (_, false, _) => "not identifiable from these runs".to_owned(),
+            _ if self.is_far() => {
+                format!("{:.1} standard deviations from nominal", self.from_nominal.unwrap_or(0.0).abs())
             }
             _ => String::new(),
         }
@@ -336,6 +420,12 @@ impl Outcome {
             traces: verdict.traces.clone(),
             missing_signals: diagnosis.ports.iter().map(MissingSignal::of).collect(),
             missing_after: diagnosis.ports_after.iter().map(MissingSignal::of).collect(),
+            missing_force: diagnosis
+                .force
+                .as_ref()
+                .filter(|_| named)
+                .map(ForceSaid::of)
+                .or_else(|| ForceSaid::of_ports(&diagnosis.ports)),
             ranking: verdict
                 .ranking
                 .iter()
@@ -352,12 +442,14 @@ impl Outcome {
                 .collect(),
             next_experiment,
             sentence: String::new(),
+            confidence: Confidence::default(),
             remainder: verdict.remainder.clone(),
             sanity,
             notes: campaign.notes.clone(),
             work: Work { simulations: diagnosis.simulations, simulated_s: diagnosis.simulated_s },
             provenance,
         };
+        outcome.confidence = Confidence::of(&outcome);
         outcome.sentence = sentence(&outcome);
         outcome
     }
@@ -365,7 +457,7 @@ impl Outcome {
 
 /// The verdict in one sentence with its numbers.
 fn sentence(o: &Outcome) -> String {
-    let set = o.effects.join(" + ");
+    let set = super::headline::set_with_values(o);
     let (floor, base) = (o.noise_floor, o.base.holdout_error);
     match (o.verdict, &o.after) {
         ("adequate", _) => format!(

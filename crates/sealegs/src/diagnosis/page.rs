@@ -1,12 +1,13 @@
-//! A diagnosis as one self-contained page, from the verdict down to where everything came from.
+//! A diagnosis as one self-contained page: the answer first, then where the model fails, then everything else, folded.
 
-use super::outcome::{Outcome, percent};
+use super::outcome::Outcome;
 use super::story::Story;
-use super::text::{another_name, digits_for, evidence, figures as number, other_conventions};
-use super::{figures, friction};
+use super::text::{digits_for, evidence, figures as number};
+use super::{figures, friction, headline};
 use crate::comparison::page::{depends, place, remarks};
+use crate::report::fails;
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue};
-use sealegs_recorder::report::{self, Report, Table, Tone};
+use sealegs_recorder::report::{self, Report, Table};
 use sealegs_sysid::diagnose::Play;
 use sealegs_sysid::residual;
 
@@ -19,26 +20,29 @@ pub fn of(story: &Story) -> String {
     let outcome = story.outcome;
     let what = if outcome.verdict == "added" { "a better model" } else { "which effect is missing" };
     let mut page = Report::new(&format!("{}: {what}", outcome.campaign));
-    page.subtitle(&outcome.provenance.model);
-    verdict(&mut page, outcome);
+    page.wide().subtitle(&outcome.provenance.model);
+    headline::screen(&mut page, outcome, &story.command);
     crate::sanity::section(&mut page, &outcome.sanity);
+    page.section("Where the model fails");
+    let models = fails::Models { before: figures::BEFORE, after: figures::AFTER };
+    fails::map(&mut page, &story.compared.parts, &models);
+    fails::multiples(&mut page, &story.compared.parts, &models);
+    page.section("Details");
+    parameters(&mut page, outcome);
+    ranking(&mut page, outcome);
+    ports(&mut page, outcome);
     errors(&mut page, story);
     place(&mut page, &story.compared);
     depends(&mut page, &story.compared);
-    ranking(&mut page, outcome);
-    parameters(&mut page, outcome);
     figures::motion(&mut page, story);
     figures::responses(&mut page, story);
     figures::maps(&mut page, story);
     friction::curve(&mut page, story);
     figures::law(&mut page, story);
-    if outcome.verdict != "added" {
-        ambiguity(&mut page, outcome);
-    }
-    next(&mut page, story);
+    proposed(&mut page, story);
     remarks(&mut page, &outcome.notes);
     let inputs = outcome.provenance.inputs.iter();
-    page.provenance(&report::Provenance {
+    let provenance = report::Provenance {
         command: story.command.clone(),
         versions: vec![("sealegs".to_owned(), outcome.provenance.version.to_owned())],
         inputs: inputs.map(|i| (i.file.clone(), format!("sha256:{}", i.sha256))).collect(),
@@ -53,95 +57,63 @@ pub fn of(story: &Story) -> String {
                 ),
             ),
         ],
+    };
+    page.details("Provenance", |page| {
+        page.provenance_list(&provenance);
     });
     page.to_html()
 }
 
-fn verdict(page: &mut Report, o: &Outcome) {
-    let tone = match o.verdict {
-        "adequate" => Tone::Good,
-        "missing-effect" if o.indistinguishable.is_empty() => Tone::Good,
-        "missing-effect" | "partly-explained" => Tone::Caution,
-        "unexplained" => Tone::Bad,
-        _ => Tone::Neutral,
-    };
-    let mut support = o.remainder.clone();
-    if !o.indistinguishable.is_empty() {
-        let sets: Vec<String> = o.indistinguishable.iter().map(|s| s.join(" + ")).collect();
-        support.push(format!("These data cannot tell it from {}.", sets.join(", nor from ")));
-    }
-    page.verdict(tone, &o.sentence, &support.join(" "));
-}
-
+/// Errors of every run and channel, before and after.
 fn errors(page: &mut Report, story: &Story) {
-    let o = story.outcome;
-    page.section("Error before and after");
-    let before = number(o.base.holdout_error, 3);
-    let after = o.after.as_ref().map_or("-".to_owned(), |a| number(a.holdout_error, 3));
-    let left = percent(o.unexplained_share).replace("less than", "<");
-    let floor = number(o.noise_floor, 3);
-    let mut boxes = vec![("before, held-out runs", before.as_str(), "noise units")];
-    if o.after.is_some() {
-        boxes.push(("after, held-out runs", &after, "noise units"));
-        boxes.push(("left of the energy above the floor", &left, "on held-out runs"));
-    }
-    boxes.push(("noise floor", &floor, "noise units"));
-    page.numbers(&boxes);
-    let with_after = o.after.is_some();
-    let mut table = Table::new().words("run").words("role").words("channel").numbers("before", "noise units");
+    let with_after = story.outcome.after.is_some();
+    // The errors come first: a narrow window shows them without scrolling.
+    let mut table = Table::new().words("channel").numbers("before", "noise units");
     if with_after {
         table = table.numbers("after", "noise units");
     }
+    table = table.words("run").words("role");
     table = table.numbers(if with_after { "after" } else { "before" }, "% of signal");
     for part in &story.compared.parts {
         let before = residual::table(&part.data, &part.before);
         let after = part.after.as_ref().map(|a| residual::table(&part.data, a));
         for (i, line) in before.iter().enumerate() {
-            let mut cells = vec![
-                line.run.clone(),
-                line.role.as_str().to_owned(),
-                line.channel.clone(),
-                number(line.error, 4),
-            ];
+            let mut cells = vec![line.channel.clone(), number(line.error, 4)];
             let last = after.as_ref().map_or(line, |a| &a[i]);
             if with_after {
                 cells.push(number(last.error, 4));
             }
-            cells.push(number(last.percent, 3));
+            cells.extend([line.run.clone(), line.role.as_str().to_owned(), number(last.percent, 3)]);
             table.row(cells);
         }
     }
-    page.table(
-        &table,
-        "Root mean square residual of every run and channel, divided by the channel's noise. Before: the base model with \
-         its own parameters and the sensors refitted.",
-    );
+    page.details("Errors of every run and channel", |page| {
+        page.table(
+            &table,
+            "Root mean square residual of every run and channel, divided by the channel's noise. Before: the base model \
+             with its own parameters and the sensors refitted.",
+        );
+    });
 }
 
 fn ranking(page: &mut Report, o: &Outcome) {
     if o.ranking.is_empty() {
         return;
     }
-    page.section("Ranking of effects");
     let shown = || o.ranking.iter().take(RANKED);
+    let errors = || shown().map(|r| r.holdout_error).chain([o.base.holdout_error, o.noise_floor]);
+    let (least, most) = (errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max));
+    let bar = |label: String, error: f64| Bar { label, values: vec![error], text: number(error, 3) };
     let chart = BarChart {
         title: "Error on the held-out runs with each set of effects".to_owned(),
-        axis: Axis::new("error", "noise units"),
+        axis: Axis::new("error, logarithmic", "noise units").log().range(0.7 * least, 1.1 * most),
         series: vec![(String::new(), Hue::Blue)],
-        bars: std::iter::once(Bar {
-            label: "base model".to_owned(),
-            values: vec![o.base.holdout_error],
-            text: number(o.base.holdout_error, 3),
-        })
-        .chain(shown().map(|r| Bar {
-            label: r.effects.join(" + "),
-            // A set that makes it much worse would squeeze all others.
-            values: vec![r.holdout_error.min(1.5 * o.base.holdout_error)],
-            text: number(r.holdout_error, 3),
-        }))
-        .collect(),
+        bars: std::iter::once(bar("base model".to_owned(), o.base.holdout_error))
+            .chain(shown().map(|r| bar(r.effects.join(" + "), r.holdout_error)))
+            .collect(),
+        marks: vec![(o.noise_floor, "noise floor".to_owned())],
+        row_height: None,
     };
-    page.figure(&chart, "Sets in the order of how they predict left-out stretches of the fit runs.");
     let mut table =
         Table::new().words("effects").numbers("held-out error", "noise units").numbers("evidence", "");
     for r in shown() {
@@ -152,15 +124,17 @@ fn ranking(page: &mut Report, o: &Outcome) {
             table.row(cells)
         };
     }
-    page.table(
-        &table,
-        "Evidence is the log-likelihood gained over the base model on stretches of the fit runs that were left out of \
-         the fit; 10 is already decisive. The held-out runs took no part in the order.",
-    );
+    page.details("Ranking of effects", |page| {
+        page.figure(&chart, "Sets in the order of how they predict left-out stretches of the fit runs.");
+        page.table(
+            &table,
+            "Evidence is the log-likelihood gained over the base model on stretches of the fit runs that were left out of \
+             the fit; 10 is already decisive. The held-out runs took no part in the order.",
+        );
+    });
 }
 
 fn parameters(page: &mut Report, o: &Outcome) {
-    page.section("Parameters");
     let last = o.after.as_ref().unwrap_or(&o.base);
     let mut table = Table::new().words("parameter").numbers("before", "");
     if o.after.is_some() {
@@ -185,46 +159,45 @@ fn parameters(page: &mut Report, o: &Outcome) {
             table.row(cells)
         };
     }
-    page.table(
-        &table,
-        "Fitted values; those of effects stand out. The standard error is that of the last value.",
-    );
-    let mut table = Table::new().words("sensor").numbers("gain", "").numbers("bias", "").words("unit");
+    let mut sensors = Table::new().words("sensor").numbers("gain", "").numbers("bias", "").words("unit");
     for s in &last.sensors {
         let unit = crate::comparison::text::unit(&s.channel).to_owned();
-        table.row([s.channel.clone(), format!("{:.4}", s.gain), number(s.bias, 3), unit]);
+        sensors.row([s.channel.clone(), format!("{:.4}", s.gain), number(s.bias, 3), unit]);
     }
-    page.table(&table, "Sensors, measured = gain x true + bias.");
+    page.details("Parameters and sensors", |page| {
+        page.table(
+            &table,
+            "Fitted values in SI units; those of effects stand out. The standard error is that of the last value.",
+        );
+        page.table(&sensors, "Sensors, measured = gain x true + bias.");
+    });
 }
 
-fn ambiguity(page: &mut Report, o: &Outcome) {
-    page.section("Ambiguity");
-    if o.effects.is_empty() {
-        page.paragraph("No effect is named, so that there is nothing to confuse it with.");
-    } else if o.indistinguishable.is_empty() {
-        page.paragraph("These data tell what is named from every other set of no more effects.");
-    } else {
-        page.paragraph("On these data the following sets predict as well as the one that is named:");
-        page.list(&o.indistinguishable.iter().map(|s| s.join(" + ")).collect::<Vec<_>>());
-    }
-    for sentence in another_name(o).into_iter().chain(other_conventions(o)) {
-        page.paragraph(&sentence);
-    }
-}
-
-fn next(page: &mut Report, story: &Story) {
-    if story.outcome.next_experiment.is_empty() {
+/// The missing signals of all ports.
+fn ports(page: &mut Report, o: &Outcome) {
+    if o.missing_signals.is_empty() {
         return;
     }
-    page.section("Next experiment");
-    page.paragraph(&story.outcome.next_experiment);
-    if let Some(Play::Input { channel, time_s, values }) = story.experiment.map(|e| &e.play) {
-        let unit = crate::comparison::text::unit(channel);
-        let points = time_s.iter().copied().zip(values.iter().copied()).collect();
-        let chart = Chart::new("Proposed input", Axis::new("time", "s"), Axis::new(channel, unit))
-            .line("", Hue::Blue, Dash::Solid, points)
-            .zoomable("plan")
-            .tall(220.0);
+    let after = |port: &str| o.missing_after.iter().find(|m| m.port == port);
+    page.details("Missing signals at every port", |page| {
+        page.table(
+            &crate::comparison::page::ports(&o.missing_signals, after),
+            "What an observer needs at each port to follow the measured motion, and what each sensor shows beyond it, root mean \
+             square over the fit runs; the noise is what the sensors' noise alone would leave. The share is foreseen on \
+             left-out blocks.",
+        );
+    });
+}
+
+fn proposed(page: &mut Report, story: &Story) {
+    let Some(Play::Input { channel, time_s, values }) = story.experiment.map(|e| &e.play) else { return };
+    let unit = crate::comparison::text::unit(channel);
+    let points = time_s.iter().copied().zip(values.iter().copied()).collect();
+    let chart = Chart::new("Proposed input", Axis::new("time", "s"), Axis::new(channel, unit))
+        .line("", Hue::Blue, Dash::Solid, points)
+        .zoomable("plan")
+        .tall(220.0);
+    page.details("The proposed experiment's input", |page| {
         page.figure(&chart, "The input that was chosen; --plan writes it as a file that can be played.");
-    }
+    });
 }

@@ -15,9 +15,13 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     let mut out = String::new();
     let o = &mut out;
     let _ = writeln!(o, "{}: {}", outcome.campaign, outcome.sentence);
+    for reason in &outcome.confidence.reasons {
+        let _ = writeln!(o, "  {reason}");
+    }
     o.push_str(&crate::sanity::text(&outcome.sanity));
     let _ = writeln!(o);
-    for sentence in &outcome.remainder {
+    let said = |s: &&String| !outcome.confidence.reasons.contains(s);
+    for sentence in outcome.remainder.iter().filter(said) {
         let _ = writeln!(o, "  {sentence}");
     }
     if !outcome.remainder.is_empty() {
@@ -32,7 +36,7 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
         error(&format!("with {}", outcome.effects.join(" + ")), after);
     }
     if !outcome.indistinguishable.is_empty() {
-        let _ = writeln!(o, "\nThese data cannot tell it from:");
+        let _ = writeln!(o, "\nThese runs fit as well:");
         for set in &outcome.indistinguishable {
             let _ = writeln!(o, "  {}", set.join(" + "));
         }
@@ -144,7 +148,8 @@ pub(super) fn another_name(outcome: &Outcome) -> Option<String> {
     let (verb, pronoun) = if sets.len() == 1 { ("fits", "it is") } else { ("fit", "they are") };
     (!sets.is_empty()).then(|| {
         format!(
-            "{} {verb} as well, because {pronoun} the same law by another name here: a departure of {:.0} % would show.",
+            "{} {verb} as well, because {pronoun} the same law on these runs: a law that differs by {:.0} % would have \
+             fitted worse.",
             sets.join(" and "),
             100.0 * DEPARTURE
         )
@@ -166,7 +171,7 @@ pub(super) fn other_conventions(outcome: &Outcome) -> Vec<String> {
         .iter()
         .map(|other| {
             format!(
-                "With {} (a convention of the log, which these data leave open) everything is explained as well, with {}.",
+                "With {} (a convention of the log that these runs leave open) everything is explained as well, with {}.",
                 list(&other.choices),
                 list(&other.parameters)
             )

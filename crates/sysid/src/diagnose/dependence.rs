@@ -56,30 +56,30 @@ pub struct Dependence {
 }
 
 /// Signals of the scored rows that a curve can be over, thinned to what a regression needs.
-struct Rows {
-    speed: Vec<f64>,
-    direction: Vec<f64>,
-    position: Vec<f64>,
-    angle: Vec<f64>,
-    load: Vec<f64>,
-    deflection: Vec<f64>,
-    stretching: Vec<f64>,
-    time: Vec<f64>,
-    travelled: Vec<f64>,
-    plays: Vec<Vec<f64>>,
-    command: Vec<f64>,
-    past: Vec<Vec<f64>>,
-    own: Vec<f64>,
+pub(super) struct Rows {
+    pub speed: Vec<f64>,
+    pub direction: Vec<f64>,
+    pub position: Vec<f64>,
+    pub angle: Vec<f64>,
+    pub load: Vec<f64>,
+    pub deflection: Vec<f64>,
+    pub stretching: Vec<f64>,
+    pub time: Vec<f64>,
+    pub travelled: Vec<f64>,
+    pub plays: Vec<Vec<f64>>,
+    pub command: Vec<f64>,
+    pub past: Vec<Vec<f64>>,
+    pub own: Vec<f64>,
     /// The row's block.
-    block: Vec<usize>,
+    pub block: Vec<usize>,
 }
 
 /// How a dependence is made of the rows' signals.
-struct Form {
-    on: &'static str,
+pub(super) struct Form {
+    pub on: &'static str,
     over: &'static str,
     times: &'static str,
-    columns: Vec<Vec<f64>>,
+    pub columns: Vec<Vec<f64>>,
     /// Knots and the abscissa, for forms that are curves of hats.
     knots: Option<Vec<f64>>,
 }
@@ -94,8 +94,7 @@ pub fn dependences(
     missing: &Missing,
     nuisances: &[Vec<Vec<f64>>],
 ) -> Vec<Dependence> {
-    let total: usize = missing.runs.iter().map(Vec::len).sum();
-    let step = (total as f64 / CURVE_ROWS).ceil().max(1.0) as usize;
+    let step = step(&missing.runs);
     let thin = |runs: &[Vec<f64>]| -> Vec<f64> {
         runs.iter().flat_map(|r| r.iter().step_by(step).copied()).collect()
     };
@@ -131,8 +130,14 @@ pub fn dependences(
     found
 }
 
+/// Every how many samples of a signal a regression takes.
+pub(super) fn step(runs: &[Vec<f64>]) -> usize {
+    let total: usize = runs.iter().map(Vec::len).sum();
+    (total as f64 / CURVE_ROWS).ceil().max(1.0) as usize
+}
+
 /// The forms that are tried.
-fn forms(rows: &Rows, sensor: bool) -> Vec<Form> {
+pub(super) fn forms(rows: &Rows, sensor: bool) -> Vec<Form> {
     let by = |column: Vec<f64>, factor: &[f64]| -> Vec<f64> {
         column.iter().zip(factor).map(|(a, b)| a * b).collect()
     };
@@ -197,7 +202,7 @@ fn forms(rows: &Rows, sensor: bool) -> Vec<Form> {
 }
 
 /// The signals of a port's place, thinned.
-fn rows(data: &Data, observed: &Candidate, missing: &Missing, step: usize) -> Rows {
+pub(super) fn rows(data: &Data, observed: &Candidate, missing: &Missing, step: usize) -> Rows {
     let predictions = &observed.fit.evaluation.predictions;
     let thinned = |values: &[f64], run: usize| -> Vec<f64> {
         let rows: Vec<usize> = data.runs[run].rows().collect();
@@ -335,7 +340,7 @@ fn hats(x: &[f64], knots: &[f64]) -> Vec<Vec<f64>> {
 }
 
 /// `A` and `b` of the normal equations over some rows, columns in their own size.
-fn normal(
+pub(super) fn normal(
     columns: &[Vec<f64>],
     target: &[f64],
     rows: impl Iterator<Item = usize>,
@@ -363,7 +368,7 @@ fn normal(
 }
 
 /// Solves the normal equations; directions about which nothing is known stay at zero.
-fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+pub(super) fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let n = b.len();
     let scale: Vec<f64> = (0..n).map(|k| 1.0 / a[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
     let mut scaled = DMatrix::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j]);

@@ -2,6 +2,7 @@
 //! sensor shows beyond it, with the uncertainty that the sensors' noise leaves.
 
 use super::dependence::{Dependence, dependences};
+use super::picture::{self, MissingForce};
 use super::policy::PORT_FELT;
 use super::refine::{Models, with_nominal_base};
 use super::{Candidate, with_effects};
@@ -59,7 +60,7 @@ pub fn missing(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missi
 }
 
 /// The signals of the ports in predictions.
-fn ports(data: &Data, at: &Evaluation, predictions: &[Prediction]) -> Vec<Missing> {
+pub(super) fn ports(data: &Data, at: &Evaluation, predictions: &[Prediction]) -> Vec<Missing> {
     let Some(first) = predictions.first() else { return Vec::new() };
     let names = first.internals.iter().map(|s| &s.channel).filter(|c| c.contains(internal::MISSING));
     names
@@ -81,12 +82,12 @@ fn ports(data: &Data, at: &Evaluation, predictions: &[Prediction]) -> Vec<Missin
 }
 
 /// Whether a port's signal is a torque: at an output, and everywhere in a rotary actuator.
-fn is_torque(at: &Evaluation, port: &str) -> bool {
+pub(super) fn is_torque(at: &Evaluation, port: &str) -> bool {
     port == "output" || at.sensors.iter().any(|s| s.channel.ends_with("torque_nm"))
 }
 
 /// What each sensor shows beyond the model that follows the motion, in its unit.
-fn sensors(data: &Data, at: &Evaluation) -> Vec<Missing> {
+pub(super) fn sensors(data: &Data, at: &Evaluation) -> Vec<Missing> {
     data.channels
         .iter()
         .enumerate()
@@ -136,6 +137,8 @@ pub struct Port {
     pub missing: Missing,
     /// What it depends on, the dependence that foresees most first; empty where nothing is felt, or nothing foresees it.
     pub depends: Vec<Dependence>,
+    /// The missing signal over the first of them.
+    pub force: Option<MissingForce>,
 }
 
 /// Size of the step by which a base parameter is moved for its column, as a share of its typical change.
@@ -182,7 +185,9 @@ pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
             } else {
                 Vec::new()
             };
-            Port { missing, depends }
+            let first = depends.first().map(|d| d.on);
+            let force = first.and_then(|on| picture::of_port(data, &observed, &missing, &nuisances, on));
+            Port { missing, depends, force }
         })
         .collect();
     let felt = |p: &Port| p.missing.rms / p.missing.std.max(f64::MIN_POSITIVE);

@@ -17,6 +17,7 @@ mod experiment;
 mod judge;
 mod missing;
 mod nested;
+mod picture;
 mod policy;
 mod refine;
 mod rig;
@@ -34,12 +35,14 @@ pub use experiment::{Experiment, Limits, Play, next_experiment};
 pub use judge::{Judged, Rung, Verdict, VerdictKind};
 pub use missing::{Missing, Port};
 pub use nested::DEPARTURE;
+pub use picture::{Bin, Branch, MissingForce, missing_force};
 pub use policy::policy;
 pub use refine::Models;
 pub use screen::{Known, Plan, Promise, Screened, screen};
 pub use validation::Validation;
 
 use crate::data::Data;
+use crate::fit::{self, Difference, Fit};
 use crate::{Campaign, Error, Role};
 use sealegs_model::{Excitation, Model};
 
@@ -103,6 +106,9 @@ pub struct Diagnosis {
     pub ports: Vec<Port>,
     /// The same beside the chosen set, where that leaves something.
     pub ports_after: Vec<Port>,
+    /// What is missing without the chosen set and what it gives, at the port where it acts; none where nothing was chosen,
+    /// or the runs measure no motion to follow.
+    pub force: Option<MissingForce>,
     /// What the fit runs measured and how hard they drove the model.
     pub seen: Excitation,
     /// Simulations done.
@@ -135,12 +141,46 @@ pub fn diagnose(
     } else {
         Vec::new()
     };
+    // The set that is named may lack a trace of the chosen one: that is not seen at a port.
+    let force = if chosen.effects.is_empty() { None } else { missing_force(&models, chosen, &ports) };
     let seen = models.seen;
     progress(Progress::Judging);
     let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
     let verdict = judge::judge(&holdout, &found)?;
     let (a, b) = (data.work(), holdout.work());
-    Ok(Diagnosis { verdict, found, ports, ports_after, seen, simulations: a.0 + b.0, simulated_s: a.1 + b.1 })
+    Ok(Diagnosis {
+        verdict,
+        found,
+        ports,
+        ports_after,
+        force,
+        seen,
+        simulations: a.0 + b.0,
+        simulated_s: a.1 + b.1,
+    })
+}
+
+/// What is missing at each port of a model on the runs of `data`, before anything is searched, the most important port
+/// first: the first half of a diagnosis. `fit` is the model's own fit to them, if there is one.
+///
+/// Empty where the runs measure no motion that could be followed.
+///
+/// # Errors
+///
+/// If the model cannot be simulated.
+pub fn missing_signals(data: &Data, model: &dyn Model, fit: Option<&Fit>) -> Result<Vec<Port>, Error> {
+    let mut models = Models::new(data, model);
+    if models.observed.is_none() {
+        return Ok(Vec::new());
+    }
+    let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
+    let fit = match fit {
+        Some(fit) => fit.clone(),
+        None => fit::at_values(data, model, &nominal, Difference::Forward)?,
+    };
+    models.seen = data.excitation(&fit.evaluation.predictions);
+    let base = Candidate::of_base(data, models.coarse.as_ref(), fit);
+    Ok(missing::look(&models, &base))
 }
 
 /// The search on the fit runs alone, from the fitted base model.

@@ -1,0 +1,114 @@
+//! How sure a verdict is, and why: what a reader must know before the numbers are used.
+
+use super::outcome::{Outcome, ParameterValue};
+use crate::report::units::error;
+use serde::Serialize;
+
+/// How far a verdict can be relied on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Level {
+    /// One explanation, at the noise floor, and nothing speaks against it.
+    Sure,
+    /// Something speaks against it, or another explanation fits as well.
+    Reserved,
+    /// No explanation.
+    Open,
+    /// Nothing was judged: the effects were asked for.
+    #[default]
+    Asked,
+}
+
+/// A level with its reasons.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+pub struct Confidence {
+    /// The level.
+    pub level: Level,
+    /// Why, in sentences.
+    pub reasons: Vec<String>,
+    /// Whether the intervals hold under the named model only: something stays, or a parameter of the base model ended
+    /// where it should not.
+    pub intervals_conditional: bool,
+}
+
+/// Error over the noise floor on held-out runs from which on something stays: the diagnosis's own threshold of an
+/// adequate model.
+const STAYS: f64 = 1.05;
+
+/// Parameters and sentences that are said at most.
+const MOST: usize = 3;
+
+impl Confidence {
+    /// That of a verdict.
+    #[must_use]
+    pub fn of(o: &Outcome) -> Self {
+        let floor = o.noise_floor;
+        let side = o.after.as_ref().unwrap_or(&o.base);
+        let off = off(&side.parameters);
+        let stays = side.holdout_error > STAYS * floor;
+        let mut reasons = Vec::new();
+        match o.verdict {
+            "added" => return Self::default(),
+            "unexplained" => {
+                reasons.push(format!(
+                    "No known effect, alone or with others, helps on the held-out runs: the base model misses them by {} \
+                     noise units.",
+                    error(o.base.holdout_error)
+                ));
+                reasons.extend(o.remainder.iter().take(MOST).cloned());
+                return Self { level: Level::Open, reasons, intervals_conditional: true };
+            }
+            "partly-explained" => {
+                reasons.push(format!(
+                    "It explains a part: {} of the residual's energy above the noise floor stays and has structure.",
+                    super::outcome::percent(o.unexplained_share)
+                ));
+                reasons.extend(o.remainder.iter().take(2).cloned());
+            }
+            _ if stays => reasons.push(format!(
+                "Something stays: the held-out runs end at {} noise units, the noise floor is {}.",
+                error(side.holdout_error),
+                error(floor)
+            )),
+            _ => {}
+        }
+        if !o.indistinguishable.is_empty() {
+            let sets: Vec<String> = o.indistinguishable.iter().map(|s| s.join(" + ")).collect();
+            reasons.push(format!("These runs fit {} as well.", sets.join(", or ")));
+        }
+        if !o.equally_good_choices.is_empty() {
+            reasons.push("A convention of the log is open, and the values depend on it (below).".to_owned());
+        }
+        reasons.extend(off.iter().take(MOST).cloned());
+        if off.len() > MOST {
+            reasons.push(format!("So do {} more parameters.", off.len() - MOST));
+        }
+        let intervals_conditional = o.verdict == "partly-explained" || stays || !off.is_empty();
+        if !reasons.is_empty() {
+            return Self { level: Level::Reserved, reasons, intervals_conditional };
+        }
+        let floor = format!("{} noise units, noise floor {}", error(side.holdout_error), error(floor));
+        reasons.push(match o.verdict {
+            "adequate" => format!("The base model predicts the held-out runs to the noise floor ({floor})."),
+            _ => format!(
+                "It brings the held-out runs to the noise floor ({floor}), no other effect of the catalogue does it with as few \
+                 parameters, and no parameter of the base model leaves the range in which it is known."
+            ),
+        });
+        Self { level: Level::Sure, reasons, intervals_conditional: false }
+    }
+}
+
+/// What is said of parameters that ended where they should not.
+fn off(parameters: &[ParameterValue]) -> Vec<String> {
+    let free = || parameters.iter().filter(|p| !p.fixed);
+    let at_bound = free().filter(|p| p.at_bound).map(|p| format!("{} ended at its bound.", p.name));
+    let far = free().filter(|p| !p.at_bound && p.is_far()).map(|p| {
+        format!(
+            "{} ended {:.1} standard deviations from its nominal value.",
+            p.name,
+            p.from_nominal.unwrap_or(0.0).abs()
+        )
+    });
+    at_bound.chain(far).collect()
+}

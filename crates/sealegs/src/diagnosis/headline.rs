@@ -1,0 +1,441 @@
+//! The first screen of a diagnosis's report: what is missing, how sure, the ladder, the missing force, rivals, what to do next.
+
+use super::confidence::Level;
+use super::outcome::{Outcome, ParameterValue, percent};
+use super::text::{another_name, other_conventions};
+use crate::report::force;
+use crate::report::units::{capital, error, symbol, with_interval};
+use sealegs_recorder::chart::{Axis, Bar, BarChart, Hue};
+use sealegs_recorder::report::{Answer, Report, Tone};
+
+/// Values of effects that the headline shows.
+const VALUES: usize = 6;
+
+/// Rivals that are listed.
+const RIVALS: usize = 4;
+
+/// Ratio of errors from which on a linear axis would hide the smaller ones.
+const WIDE_RATIO: f64 = 20.0;
+
+/// An effect in words with its place: `knee/coulomb-friction` is `coulomb friction at knee`.
+fn in_words(effect: &str) -> String {
+    match effect.rsplit_once('/') {
+        Some((place, effect)) => format!("{} at {place}", effect.replace('-', " ")),
+        None => effect.replace('-', " "),
+    }
+}
+
+/// What was found, in a few words.
+pub(super) fn sentence(o: &Outcome) -> String {
+    let set = o.effects.iter().map(|e| in_words(e)).collect::<Vec<_>>().join(" and ");
+    match o.verdict {
+        "adequate" => "Nothing is missing: the model fits to the noise floor".to_owned(),
+        "missing-effect" => format!("Missing: {set}"),
+        "partly-explained" => format!("Partly explained by {set}"),
+        "added" => format!("Added: {set}"),
+        _ => match o.missing_signals.first().filter(|m| m.explained > 0.0) {
+            Some(m) => format!(
+                "Not explained by any known effect: something at {} that depends on {}",
+                m.port,
+                m.depends_on.first().map_or("", String::as_str)
+            ),
+            None => "Not explained by any known effect".to_owned(),
+        },
+    }
+}
+
+/// The values of the named effects with their intervals: name, value, remark.
+fn values(o: &Outcome) -> Vec<(String, String, String)> {
+    let Some(after) = &o.after else { return Vec::new() };
+    let many = o.effects.len() > 1;
+    let interval = if o.confidence.intervals_conditional {
+        "95 % interval, if this model is right"
+    } else {
+        "95 % interval"
+    };
+    after
+        .parameters
+        .iter()
+        .filter(|p| !p.fixed && o.effects.iter().any(|e| e == effect_of(&p.name)))
+        .take(VALUES)
+        .map(|p| {
+            let own = symbol(&p.name);
+            let name = if many { format!("{}, {own}", in_words(effect_of(&p.name))) } else { own };
+            let std = stated(p);
+            let remark = match (p.at_bound, p.felt) {
+                (true, _) => "at its bound: no interval",
+                (_, false) => "not identifiable from these runs",
+                _ if std.is_some() => interval,
+                _ => "no interval",
+            };
+            (capital(&name), with_interval(p.value, std, &p.unit), remark.to_owned())
+        })
+        .collect()
+}
+
+/// The named effects by their ids, each with its values and their 95 % intervals:
+/// `knee/coulomb-friction (force 44.77 ± 0.15 N)`.
+pub(super) fn set_with_values(o: &Outcome) -> String {
+    let parameters = o.after.as_ref().map_or(&[][..], |after| &after.parameters);
+    let with_values = |effect: &String| {
+        let own = parameters.iter().filter(|p| !p.fixed && effect_of(&p.name) == effect);
+        let values: Vec<String> = own
+            .map(|p| format!("{} {}", symbol(&p.name), with_interval(p.value, stated(p), &p.unit)))
+            .collect();
+        if values.is_empty() { effect.clone() } else { format!("{effect} ({})", values.join(", ")) }
+    };
+    o.effects.iter().map(with_values).collect::<Vec<_>>().join(" + ")
+}
+
+/// The effect that a parameter belongs to; empty for the base model's.
+fn effect_of(parameter: &str) -> &str {
+    parameter.rsplit_once('.').map_or("", |(effect, _)| effect)
+}
+
+/// A standard error that makes an interval: at a bound, or where the data say nothing, there is none.
+fn stated(p: &ParameterValue) -> Option<f64> {
+    p.std.filter(|s| *s > 0.0 && !p.at_bound && p.felt)
+}
+
+/// The errors from the base model to the named set, one effect after the other.
+pub(super) fn ladder(o: &Outcome) -> BarChart {
+    let mut known = 0;
+    let bars: Vec<Bar> = o
+        .ladder
+        .iter()
+        .map(|rung| {
+            let new = rung.effects[known.min(rung.effects.len())..].join(" + ");
+            let label = if rung.effects.is_empty() { "base model".to_owned() } else { format!("+ {new}") };
+            known = rung.effects.len();
+            Bar { label, values: vec![rung.holdout_error], text: error(rung.holdout_error) }
+        })
+        .collect();
+    let errors = || o.ladder.iter().map(|r| r.holdout_error).chain([o.noise_floor]);
+    let (least, most) = (errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max));
+    let logarithmic = least > 0.0 && most / least > WIDE_RATIO;
+    let axis = if logarithmic {
+        Axis::new("error, logarithmic", "noise units").log().range(0.5 * least, 1.2 * most)
+    } else {
+        Axis::new("error", "noise units")
+    };
+    BarChart {
+        title: "Error on the held-out runs after each effect".to_owned(),
+        axis,
+        series: vec![(String::new(), Hue::Blue)],
+        // As high as the picture beside it, as far as bars look like bars.
+        row_height: Some((240.0 / bars.len().max(1) as f64).clamp(30.0, 80.0)),
+        bars,
+        marks: vec![(o.noise_floor, format!("noise floor {}", error(o.noise_floor)))],
+    }
+}
+
+/// Effects that explain alike, and the next best.
+fn rivals(o: &Outcome) -> Vec<String> {
+    let mut lines = Vec::new();
+    let held_out = |set: &[String]| {
+        o.ranking
+            .iter()
+            .find(|r| r.effects == set)
+            .map_or_else(String::new, |r| format!(" ({})", error(r.holdout_error)))
+    };
+    for set in o.indistinguishable.iter().take(RIVALS) {
+        lines.push(format!("Fits as well: {}{}.", set.join(" + "), held_out(set)));
+    }
+    lines.extend(another_name(o));
+    lines.extend(other_conventions(o));
+    let others: Vec<String> = o
+        .ranking
+        .iter()
+        .filter(|r| r.effects != o.effects && !o.indistinguishable.contains(&r.effects))
+        .filter(|r| !o.same_by_another_name.contains(&r.effects))
+        .take(RIVALS.saturating_sub(lines.len()))
+        .map(|r| format!("{} ({})", r.effects.join(" + "), error(r.holdout_error)))
+        .collect();
+    if !others.is_empty() {
+        let first = if o.effects.is_empty() { "Tried" } else { "Next" };
+        lines.push(format!("{first}: {}.", others.join("; ")));
+    }
+    if lines.is_empty() {
+        lines.push("No other set of effects was worth fitting.".to_owned());
+    } else {
+        lines.push("In brackets: error on the held-out runs, noise units.".to_owned());
+    }
+    lines
+}
+
+/// What to do next.
+fn next(o: &Outcome, command: &str) -> Vec<String> {
+    let mut lines = Vec::new();
+    if !o.effects.is_empty() && o.verdict != "added" {
+        lines.push(format!(
+            "$ sealegs add {} --to MODEL.toml --campaign {} -o better.toml",
+            o.effects.join("+"),
+            campaign_of(command)
+        ));
+    }
+    if o.verdict == "unexplained" {
+        lines.push(
+            "Describe the missing force yourself: an effect as an expression, given with --effect."
+                .to_owned(),
+        );
+    }
+    if !o.next_experiment.is_empty() {
+        lines.push(o.next_experiment.clone());
+    }
+    lines
+}
+
+/// The campaign in a command line; a placeholder where it is none.
+fn campaign_of(command: &str) -> &str {
+    let mut words = command.split_whitespace().skip_while(|w| !matches!(*w, "diagnose" | "compare"));
+    words.nth(1).filter(|w| !w.starts_with('-')).unwrap_or("CAMPAIGN")
+}
+
+/// What the errors are.
+fn judged(o: &Outcome) -> Vec<String> {
+    let mut lines = Vec::new();
+    match &o.after {
+        Some(after) => {
+            lines.push(format!(
+                "Held-out runs: {} → {} noise units; fit runs: {} → {}.",
+                error(o.base.holdout_error),
+                error(after.holdout_error),
+                error(o.base.fit_error),
+                error(after.fit_error)
+            ));
+            lines.push(format!(
+                "{} of the energy above the noise floor is left.",
+                capital(&percent(o.unexplained_share))
+            ));
+        }
+        None => lines.push(format!(
+            "Held-out runs: {} noise units; fit runs: {}.",
+            error(o.base.holdout_error),
+            error(o.base.fit_error)
+        )),
+    }
+    if !o.traces.is_empty() {
+        lines.push(format!("Traces, below 1 % of the error: {}.", o.traces.join(", ")));
+    }
+    let stop = o.sanity.iter().filter(|f| f.stops()).count();
+    if stop > 0 {
+        lines.push(format!("The log itself has {stop} faults that would stop a diagnosis (below)."));
+    }
+    lines
+}
+
+/// The first screen.
+pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str) {
+    let (tone, certainty) = match o.confidence.level {
+        Level::Sure => (Tone::Good, "Sure"),
+        Level::Reserved => (Tone::Caution, "With reservations"),
+        Level::Open => (Tone::Bad, "Not explained"),
+        Level::Asked => (Tone::Neutral, "As asked for"),
+    };
+    let mut reasons = o.confidence.reasons.clone();
+    if reasons.is_empty() {
+        reasons.push(o.sentence.clone());
+    }
+    let answer = Answer { headline: &sentence(o), values: &values(o), certainty, reasons: &reasons };
+    page.first_screen(|page| {
+        page.answer(tone, &answer);
+        let ladder = ladder(o);
+        let rungs = "Root mean square residual over the noise of each channel; the held-out runs took no part in the search.";
+        match &o.missing_force {
+            Some(missing) => {
+                let (chart, caption) = (force::chart(missing), force::caption(missing, &o.effects));
+                page.side_by_side(&[(&ladder, rungs), (&chart, &caption)]);
+            }
+            None => {
+                page.side_by_side(&[(&ladder, rungs)]);
+                page.remark("The runs measure no motion that an observer could follow: the missing force is not estimated.");
+            }
+        }
+        let mut cards = vec![("Judged on", judged(o))];
+        if o.verdict != "added" {
+            cards.insert(0, ("Rivals", rivals(o)));
+            cards.insert(1, ("What to do next", next(o, command)));
+        }
+        cards.retain(|(_, lines)| !lines.is_empty());
+        page.cards(&cards);
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::confidence::{Confidence, Level};
+    use super::super::outcome::{BranchSaid, ForceSaid, Ranked, RungSaid, Side, Work};
+    use super::super::provenance::Provenance;
+    use super::*;
+
+    fn parameter(name: &str, value: f64, std: f64, unit: &str) -> ParameterValue {
+        ParameterValue {
+            name: name.to_owned(),
+            value,
+            std: Some(std),
+            unit: unit.to_owned(),
+            fixed: false,
+            at_bound: false,
+            felt: true,
+            from_nominal: None,
+        }
+    }
+
+    fn side(error: f64, parameters: Vec<ParameterValue>) -> Side {
+        Side { holdout_error: error, fit_error: error, parameters, sensors: Vec::new() }
+    }
+
+    /// A verdict on a toy: 80 um of play and some friction take the error from 40 to the noise floor.
+    fn toy() -> Outcome {
+        let effects: Vec<String> = ["knee/backlash", "knee/coulomb-friction"].map(String::from).into();
+        let rung = |n: usize, error: f64| RungSaid {
+            effects: effects[..n].to_vec(),
+            holdout_error: error,
+            fit_error: error,
+        };
+        let stiffness = || parameter("knee/stiffness", 375e3, 90.0, "N/m");
+        let branch = BranchSaid {
+            label: String::new(),
+            x: vec![-0.02, -0.01, 0.01, 0.02],
+            y: vec![-42.0, -41.5, 41.8, 42.1],
+            std: vec![0.5; 4],
+            law: Some(vec![-42.0, -42.0, 42.0, 42.0]),
+        };
+        let mut outcome = Outcome {
+            campaign: "toy".to_owned(),
+            noise_floor: 1.0,
+            base: side(40.0, vec![stiffness()]),
+            verdict: "missing-effect",
+            effects: effects.clone(),
+            indistinguishable: Vec::new(),
+            same_by_another_name: Vec::new(),
+            equally_good_choices: Vec::new(),
+            after: Some(side(
+                1.01,
+                vec![
+                    stiffness(),
+                    parameter("knee/backlash.gap_m", 79.96e-6, 0.2e-6, "m"),
+                    parameter("knee/coulomb-friction.force_n", 42.06, 0.31, "N"),
+                ],
+            )),
+            unexplained_share: 0.0004,
+            ladder: vec![rung(0, 40.0), rung(1, 5.2), rung(2, 1.01)],
+            traces: Vec::new(),
+            missing_signals: Vec::new(),
+            missing_after: Vec::new(),
+            missing_force: Some(ForceSaid {
+                port: "knee/rotor".to_owned(),
+                unit: "N".to_owned(),
+                depends_on: "direction of motion".to_owned(),
+                over: "speed".to_owned(),
+                over_unit: "m/s".to_owned(),
+                divided_by: "1".to_owned(),
+                noise: 8.0,
+                explained_by_law: Some(0.97),
+                branches: vec![branch],
+            }),
+            ranking: vec![Ranked {
+                effects: vec!["knee/torque-ripple".to_owned()],
+                holdout_error: 6.3,
+                evidence: 12.0,
+                parameters: Vec::new(),
+            }],
+            next_experiment: "Repeat the drop from 5 cm.".to_owned(),
+            sentence: String::new(),
+            confidence: Confidence::default(),
+            remainder: Vec::new(),
+            sanity: Vec::new(),
+            notes: Vec::new(),
+            work: Work { simulations: 1, simulated_s: 1.0 },
+            provenance: Provenance { version: "0", model: "toy".to_owned(), inputs: Vec::new() },
+        };
+        outcome.confidence = Confidence::of(&outcome);
+        outcome
+    }
+
+    fn html(o: &Outcome) -> String {
+        let mut page = Report::new("toy");
+        screen(&mut page, o, "sealegs diagnose data/toy --report r.html");
+        page.to_html()
+    }
+
+    #[test]
+    fn the_first_screen_answers_in_the_order_of_the_questions() {
+        let page = html(&toy());
+        let screen = &page[page.find("<section id=\"answer\">").unwrap()..page.find("</section>").unwrap()];
+        let order = [
+            "Missing: backlash at knee and coulomb friction at knee",
+            "80.0 ± 0.4 µm",
+            "42.1 ± 0.6 N",
+            "Sure",
+            "Error on the held-out runs after each effect",
+            "+ knee/backlash",
+            "+ knee/coulomb-friction",
+            "Figure 1.",
+            "Missing force at knee/rotor over speed",
+            "law found",
+            "Figure 2.",
+            "Rivals",
+            "knee/torque-ripple (6.30)",
+            "What to do next",
+            "sealegs add knee/backlash+knee/coulomb-friction --to MODEL.toml --campaign data/toy",
+            "Repeat the drop from 5 cm.",
+        ];
+        let mut from = 0;
+        for words in order {
+            let at =
+                screen[from..].find(words).unwrap_or_else(|| panic!("'{words}' after {from} in {screen}"));
+            from += at + words.len();
+        }
+        // Errors between 40 and 1 need a logarithmic axis, which says so.
+        assert!(screen.contains("error, logarithmic [noise units]"), "{screen}");
+    }
+
+    #[test]
+    fn a_verdict_is_as_sure_as_it_sounds() {
+        let sure = toy();
+        assert_eq!(sure.confidence.level, Level::Sure);
+        assert!(!html(&sure).contains("if this model is right"));
+        let level = |change: &dyn Fn(&mut Outcome)| {
+            let mut o = toy();
+            change(&mut o);
+            o.confidence = Confidence::of(&o);
+            let reasons = o.confidence.reasons.join(" ");
+            assert!(
+                o.confidence.level != Level::Reserved
+                    || html(&o).contains("class=\"verdict answer caution\"")
+            );
+            (o.confidence.level, o.confidence.intervals_conditional, reasons)
+        };
+        let (tied, conditional, why) = level(&|o| o.indistinguishable = vec![vec!["a".into(), "b".into()]]);
+        assert!(tied == Level::Reserved && !conditional && why.contains("a + b"), "{why}");
+        let far = |o: &mut Outcome| o.after.as_mut().unwrap().parameters[0].from_nominal = Some(-8.1);
+        let (level_far, conditional, why) = level(&far);
+        assert!(
+            level_far == Level::Reserved && conditional && why.contains("8.1 standard deviations"),
+            "{why}"
+        );
+        let bound = |o: &mut Outcome| o.after.as_mut().unwrap().parameters[1].at_bound = true;
+        let (at_bound, _, why) = level(&bound);
+        assert!(
+            at_bound == Level::Reserved && why.contains("knee/backlash.gap_m ended at its bound"),
+            "{why}"
+        );
+        let (stays, conditional, why) = level(&|o| o.after.as_mut().unwrap().holdout_error = 1.2);
+        assert!(stays == Level::Reserved && conditional && why.contains("1.20"), "{why}");
+        assert_eq!(level(&|o| o.verdict = "partly-explained").0, Level::Reserved);
+        assert_eq!(level(&|o| o.verdict = "unexplained").0, Level::Open);
+        let without_interval = |o: &mut Outcome| o.after.as_mut().unwrap().parameters[1].at_bound = true;
+        let mut o = toy();
+        without_interval(&mut o);
+        assert!(html(&o).contains("at its bound: no interval") && !html(&o).contains("80.0 ± 0.4 µm"));
+    }
+
+    #[test]
+    fn the_headline_sentence_has_values_with_their_intervals() {
+        assert_eq!(
+            set_with_values(&toy()),
+            "knee/backlash (gap 80.0 ± 0.4 µm) + knee/coulomb-friction (force 42.1 ± 0.6 N)"
+        );
+    }
+}

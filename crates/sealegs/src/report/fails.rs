@@ -1,0 +1,216 @@
+//! Where a model fails: errors by channel and run as one map, and the channels that changed most as small multiples.
+
+use super::units::{capital, error};
+use crate::comparison::Part;
+use crate::comparison::overlay::{Look, shown};
+use crate::comparison::text::unit;
+use sealegs_recorder::chart::{Axis, Chart, Dash, HeatMap, Hue, Picture};
+use sealegs_recorder::report::Report;
+use sealegs_sysid::{Evaluation, Role, residual};
+
+/// Small multiples that are open.
+const OPEN: usize = 12;
+
+/// Fewest of them, where there are so many channels.
+const FEWEST: usize = 3;
+
+/// Share of the greatest improvement below which a channel is not among them.
+const WORTH: f64 = 0.01;
+
+/// Rows of a run that one of them shows: what its width resolves.
+const ROWS: usize = 600;
+
+/// The two models: what they are called and how they are drawn.
+pub(crate) struct Models {
+    /// The first: before, or as given.
+    pub before: Look,
+    /// The second: after, or refitted.
+    pub after: Look,
+}
+
+/// A run's name without the ending of its file.
+fn short(run: &str) -> &str {
+    run.rsplit_once('.').map_or(run, |(name, _)| name)
+}
+
+/// The map of errors by channel and run, before and after.
+pub(crate) fn map(page: &mut Report, parts: &[Part], models: &Models) {
+    let mut channels: Vec<String> = Vec::new();
+    let mut runs: Vec<String> = Vec::new();
+    for part in parts {
+        for line in residual::table(&part.data, &part.before) {
+            if !channels.contains(&line.channel) {
+                channels.push(line.channel);
+            }
+        }
+        let held_out = |role| if role == Role::Holdout { "h: " } else { "" };
+        runs.extend(part.data.runs.iter().map(|r| format!("{}{}", held_out(r.role), short(&r.record.name))));
+    }
+    channels.reverse();
+    let errors = |of: &dyn Fn(&Part) -> Option<Evaluation>| -> Vec<f64> {
+        let mut values = vec![f64::NAN; channels.len() * runs.len()];
+        let mut first = 0;
+        for part in parts {
+            if let Some(at) = of(part) {
+                for (block, line) in at.blocks.iter().zip(residual::table(&part.data, &at)) {
+                    let row = channels.iter().position(|c| *c == line.channel).unwrap_or(0);
+                    values[row * runs.len() + first + block.run] = line.error;
+                }
+            }
+            first += part.data.runs.len();
+        }
+        values
+    };
+    let before = errors(&|p| Some(p.before.clone()));
+    let after = errors(&|p| p.after.clone());
+    let most = before.iter().chain(&after).copied().filter(|v| v.is_finite()).fold(1.05, f64::max);
+    let map = |title: &str, values: Vec<f64>| HeatMap {
+        title: capital(title),
+        x: Axis::new("run (h: held out)", ""),
+        y: Axis::new("", ""),
+        columns: runs.clone(),
+        rows: channels.clone(),
+        values,
+        value_label: "error, noise units".to_owned(),
+        shades: Some((1.0, most)),
+        logarithmic: true,
+        significant: true,
+        names: true,
+        row_height: Some(if channels.len() > 8 { 22.0 } else { 28.0 }),
+        ..HeatMap::default()
+    };
+    let has_after = after.iter().any(|v| v.is_finite());
+    let mut maps = vec![map(models.before.0, before)];
+    if has_after {
+        maps.push(map(models.after.0, after));
+    }
+    let pictures: Vec<&dyn Picture> = maps.iter().map(|m| m as &dyn Picture).collect();
+    page.figure_beside(
+        &pictures,
+        "Root mean square residual of every channel and run over the channel's noise: 1 is the noise floor. One scale of \
+         shades, by the logarithm, for both maps.",
+    );
+}
+
+/// A run and channel with its errors.
+struct Shown<'p, 'd> {
+    part: &'p Part<'d>,
+    run: usize,
+    slot: usize,
+    channel: String,
+    before: f64,
+    after: Option<f64>,
+}
+
+impl Shown<'_, '_> {
+    /// What of the mean square the second model takes; all of it where there is none.
+    fn gain(&self) -> f64 {
+        self.before.powi(2) - self.after.map_or(1.0, |a| a.powi(2))
+    }
+}
+
+/// The run of each channel in which it improved most, the most improved channel first.
+fn improved<'p, 'd>(parts: &'p [Part<'d>]) -> Vec<Shown<'p, 'd>> {
+    let mut best: Vec<Shown> = Vec::new();
+    for part in parts {
+        let before = residual::table(&part.data, &part.before);
+        let after = part.after.as_ref().map(|at| residual::table(&part.data, at));
+        for (i, (block, line)) in part.before.blocks.iter().zip(before).enumerate() {
+            let shown = Shown {
+                part,
+                run: block.run,
+                slot: block.slot,
+                channel: line.channel,
+                before: line.error,
+                after: after.as_ref().and_then(|a| a.get(i)).map(|a| a.error),
+            };
+            match best.iter_mut().find(|b| b.channel == shown.channel) {
+                Some(other) if shown.gain() > other.gain() => *other = shown,
+                Some(_) => {}
+                None => best.push(shown),
+            }
+        }
+    }
+    best.sort_by(|a, b| b.gain().total_cmp(&a.gain()));
+    let least = best.first().map_or(0.0, |b| WORTH * b.gain());
+    let worth = best.iter().take_while(|b| b.gain() > least).count();
+    best.truncate(worth.clamp(FEWEST, OPEN));
+    best
+}
+
+/// The rows of a run with the greatest residual, as many as a picture resolves.
+fn window(residual: &[f64]) -> std::ops::Range<usize> {
+    if residual.len() <= ROWS {
+        return 0..residual.len();
+    }
+    let square = |i: usize| if residual[i].is_finite() { residual[i] * residual[i] } else { 0.0 };
+    let mut sum: f64 = (0..ROWS).map(square).sum();
+    let (mut best, mut at) = (sum, 0);
+    for i in ROWS..residual.len() {
+        sum += square(i) - square(i - ROWS);
+        if sum > best {
+            (best, at) = (sum, i + 1 - ROWS);
+        }
+    }
+    at..at + ROWS
+}
+
+/// Measured and both models, a small picture for each of the channels that improved most.
+pub(crate) fn multiples(page: &mut Report, parts: &[Part], models: &Models) {
+    let charts: Vec<Chart> = improved(parts)
+        .iter()
+        .map(|s| {
+            let r = &s.part.data.runs[s.run];
+            let measured = r.measured[s.slot];
+            let first = shown(s.part, &s.part.before, s.run, s.slot).unwrap_or_default();
+            let second = s.part.after.as_ref().and_then(|at| shown(s.part, at, s.run, s.slot));
+            let residual: Vec<f64> = measured.iter().zip(&first).map(|(m, p)| m - p).collect();
+            let rows = window(&residual);
+            let points = |v: &[f64]| -> Vec<(f64, f64)> {
+                rows.clone().filter(|i| *i < v.len()).map(|i| (r.record.time_s[i], v[i])).collect()
+            };
+            let errors = match s.after {
+                Some(after) => format!("{} → {}", error(s.before), error(after)),
+                None => error(s.before),
+            };
+            let role = if r.role == Role::Holdout { "h: " } else { "" };
+            let title = format!("{}, {role}{}: {errors}", s.channel, short(&r.record.name));
+            let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", unit(&s.channel)))
+                .line("", Hue::Ink, Dash::Solid, points(measured))
+                .line("", models.before.1, models.before.2, points(&first));
+            match second {
+                Some(second) => chart.line("", models.after.1, models.after.2, points(&second)),
+                None => chart,
+            }
+        })
+        .collect();
+    let pictures: Vec<&dyn Picture> = charts.iter().map(|c| c as &dyn Picture).collect();
+    let key = |look: Look| (look.0, look.1, look.2);
+    let mut keys = vec![("measured", Hue::Ink, Dash::Solid), key(models.before)];
+    let has_after = parts.iter().any(|p| p.after.is_some());
+    if has_after {
+        keys.push(key(models.after));
+    }
+    let order = if has_after { "The channels that improved most first" } else { "The worst channels first" };
+    page.multiples(
+        &pictures,
+        &keys,
+        &format!(
+            "{order}, each in the run where it did, around its largest residual; above each its error in noise units{}.",
+            if has_after { ", before and after" } else { "" }
+        ),
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ROWS, window};
+
+    #[test]
+    fn a_picture_shows_the_largest_residual() {
+        let mut residual = vec![0.1; 10 * ROWS];
+        residual[7 * ROWS] = 5.0;
+        assert!(window(&residual).contains(&(7 * ROWS)) && window(&residual).len() == ROWS);
+        assert_eq!(window(&[1.0, f64::NAN]), 0..2);
+    }
+}

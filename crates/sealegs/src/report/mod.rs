@@ -1,0 +1,5 @@
+//! What the reports of `compare` and `diagnose` share: values in a person's units, the missing force, and where a model fails.
+
+pub(crate) mod fails;
+pub(crate) mod force;
+pub(crate) mod units;
