@@ -21,7 +21,7 @@ pub fn html(done: &BenchRun) -> anyhow::Result<String> {
     let spec = done.model.spec();
     page.subtitle(&format!("{}; spring {}", spec.description, spec.spring.setting()));
     if done.prediction.events.is_empty() {
-        page.verdict(Tone::Good, "No limit of the spring or of the actuator's rating was passed.", "");
+        page.verdict(Tone::Good, "No limit of the spring or of the actuator's rating was exceeded.", "");
     } else {
         page.verdict(Tone::Caution, "Limits were passed.", &done.prediction.events.join("; "));
     }
