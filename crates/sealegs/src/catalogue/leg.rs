@@ -7,7 +7,7 @@ use sealegs_leg::effect::{CATALOGUE, LegSetting, law_graph};
 use sealegs_leg::model::{COMPARISON_STEP_S, LegModel};
 use sealegs_leg::robot::Robot;
 use sealegs_leg::scenario::Scenario;
-use sealegs_model::{EffectCard, Excitation, InputHold, Model, ModelError, Prediction, Record};
+use sealegs_model::{EffectCard, InputHold, Model, ModelError, Prediction, Record};
 
 /// How long the drop is watched, s: touch-down and the first rebound.
 const DURATION_S: f64 = 0.4;
@@ -66,8 +66,8 @@ fn values(model: &dyn Model) -> Vec<f64> {
 
 /// The leg's own effects in their catalogue's order; those of the benches that a leg can have at an actuator are marked.
 pub(super) fn entries(benches: &mut [Entry]) -> Result<Vec<Entry>> {
-    let measured = CHANNELS.map(str::to_owned).to_vec();
-    let cards = model()?.effects(&Excitation { measured, ..Excitation::default() });
+    let ready = ready()?;
+    let cards = ready.model.effects(&seen(&ready.record, &ready.predicted));
     let own = |id: &str| CATALOGUE.iter().any(|effect| effect.id() == id);
     for bench in benches.iter_mut().filter(|b| !own(&b.card.id)) {
         bench.on_leg = cards.iter().any(|c| c.id.ends_with(&format!("/{}", bench.card.id)));

@@ -15,6 +15,9 @@ const BELOW: f64 = 44.0;
 const ABOVE: f64 = 26.0;
 const RIGHT: f64 = 12.0;
 
+/// Points of a curve in a picture; a longer one keeps its peaks.
+const DRAWN: usize = 600;
+
 /// Least and greatest of what is shown; a line without height gets some.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
@@ -142,7 +145,7 @@ pub fn braille(graph: &Graph) -> String {
 /// The graph as one `<svg>` element in one line, in the colour of the text around it.
 #[must_use]
 pub fn svg(graph: &Graph) -> String {
-    use sealegs_recorder::chart::escape;
+    use sealegs_recorder::chart::{decimate, escape};
     let (x, y) = ranges(graph);
     let (inner_width, inner_height) = (WIDTH - LEFT - RIGHT, HEIGHT - ABOVE - BELOW);
     let px = |v: f64| LEFT + (v - x.0) / (x.1 - x.0) * inner_width;
@@ -177,7 +180,8 @@ pub fn svg(graph: &Graph) -> String {
         let style =
             if first { " stroke-dasharray=\"5 4\" stroke-opacity=\"0.7\"" } else { " stroke-width=\"1.8\"" };
         let _ = write!(out, "<polyline fill=\"none\" stroke=\"currentColor\"{style} points=\"");
-        for (i, (a, b)) in curve.points.iter().filter(|(a, b)| a.is_finite() && b.is_finite()).enumerate() {
+        let points = decimate(&curve.points, DRAWN);
+        for (i, (a, b)) in points.iter().filter(|(a, b)| a.is_finite() && b.is_finite()).enumerate() {
             let _ = write!(out, "{}{:.1},{:.1}", if i == 0 { "" } else { " " }, px(*a), py(*b));
         }
         out.push_str("\"/>");
