@@ -115,7 +115,7 @@ fn driven(input: &str, peak: f64) -> Record {
             return peak * (TAU * t).sin();
         }
         let step = ((t - SINE_UNTIL_S) / STEP_S) as usize;
-        0.6 * peak * if step % 2 == 0 { 1.0 } else { -1.0 }
+        0.6 * peak * if step.is_multiple_of(2) { 1.0 } else { -1.0 }
     };
     let values = time_s.iter().map(command).collect();
     Record {

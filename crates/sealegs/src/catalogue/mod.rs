@@ -128,9 +128,9 @@ pub fn find(id: &str) -> Result<Entry> {
     let plain = id.rsplit('/').next().unwrap_or(id).split('@').next().unwrap_or(id);
     let at_joint = id.contains('/') && plain == "output-friction";
     let all = entries()?;
-    let found = all.iter().filter(|e| e.card.id == plain);
+    let mut found = all.iter().filter(|e| e.card.id == plain);
     // A leg has a friction of its own at its joints.
-    let found = if at_joint { found.last() } else { found.into_iter().next() };
+    let found = if at_joint { found.next_back() } else { found.next() };
     found.cloned().ok_or_else(|| Error::NoSuchEffect {
         id: id.to_owned(),
         suggestion: nearest(plain, all.iter().map(|e| e.card.id.as_str())),

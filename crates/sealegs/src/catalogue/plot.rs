@@ -92,7 +92,7 @@ pub fn braille(graph: &Graph) -> String {
                 };
                 let (column, row) = (along(ends[0].0, ends[1].0), along(ends[0].1, ends[1].1));
                 drawn += 1;
-                if !dotted || drawn % 5 == 0 {
+                if !dotted || drawn.is_multiple_of(5) {
                     dots[(high - 1 - row) * wide + column] = true;
                 }
             }
