@@ -3,6 +3,7 @@
 use super::text::{at, value};
 use super::{Entry, Signature, entries, svg};
 use crate::Result;
+use sealegs_actuator::effect::Graph;
 use std::fmt::Write as _;
 
 /// One page of the book.
@@ -31,6 +32,11 @@ pub fn book() -> Result<Vec<Page>> {
         pages.push(Page { file: format!("{}.md", entry.page_name()), text });
     }
     Ok(pages)
+}
+
+/// A picture as a block of its own, whose text is no Markdown.
+fn figure(graph: &Graph) -> String {
+    format!("<div>\n{}\n</div>", svg(graph))
 }
 
 /// Text in a cell of a table.
@@ -94,12 +100,12 @@ fn page(entry: &Entry, signature: &Signature) -> String {
         at(entry, signature)
     );
     if let Some(law) = &signature.law {
-        let _ = writeln!(out, "{}:\n\n{}\n", law.title, svg(law));
+        let _ = writeln!(out, "{}:\n\n{}\n", law.title, figure(law));
     }
     let _ = writeln!(
         out,
         "What a log shows where the model lacks it, measured minus predicted, in the channel that shows it best:\n\n{}",
-        svg(&signature.residual)
+        figure(&signature.residual)
     );
     out
 }
