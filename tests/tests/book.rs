@@ -56,8 +56,8 @@ fn the_summary_names_every_page_and_every_page_is_there() {
     for link in &links {
         assert!(source(link).is_file(), "SUMMARY.md names {link}, which is not there");
     }
-    for page in sealegs::catalogue::book().unwrap() {
-        let file = format!("effects/{}", page.file);
+    for effect in sealegs::catalogue::entries().unwrap() {
+        let file = format!("effects/{}.md", effect.page_name());
         assert!(links.contains(&file.as_str()), "SUMMARY.md does not name {file}");
     }
 }

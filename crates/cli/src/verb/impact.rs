@@ -249,6 +249,7 @@ fn survival(table: &ImpactTable, max_force_n: Option<f64>) -> String {
     for height in &heights {
         let _ = write!(out, "  {:<width$}", format!("{height} m"));
     }
+    out.truncate(out.trim_end().len());
     out.push('\n');
     for (spring, row) in springs.iter().zip(&cells) {
         let _ = write!(out, "  {spring:<name$}");

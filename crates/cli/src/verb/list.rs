@@ -54,7 +54,8 @@ pub fn run(_: &List) -> anyhow::Result<u8> {
     out.push_str("effects (sealegs effects ID)\n");
     for entry in catalogue::entries()? {
         let card = entry.card();
-        let _ = writeln!(out, "  {:<30}{}", card.id, card.summary);
+        let found = entry.found_on().join(", ");
+        let _ = writeln!(out, "  {:<30}{found:<12}{}", card.id, card.summary);
     }
     std::io::stdout().write_all(out.as_bytes())?;
     Ok(0)
