@@ -81,6 +81,9 @@ fn every_card_is_filled_and_its_numbers_make_sense() {
             for card in model(preset, bench).effects(&seen(&model(preset, bench))) {
                 let texts = [&card.summary, &card.acts_on, &card.equation, &card.validity, &card.reference];
                 assert!(texts.iter().all(|t| t.len() > 2), "{card:?}");
+                assert!(card.symbols.contains(": "), "{card:?}");
+                let guide = [&card.told_apart, &card.cure];
+                assert!(guide.iter().all(|t| t.ends_with('.') && t.len() > 40), "{card:?}");
                 assert!(!card.parameters.is_empty(), "{card:?}");
                 // At least one parameter switches the effect off.
                 assert!(card.parameters.iter().any(|p| p.neutral.is_some()), "{}", card.id);

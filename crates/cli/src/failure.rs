@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// Exit status of a run in which a limit stated on the command line was passed.
-pub const LIMIT_PASSED: u8 = 3;
+/// Exit status of a run in which a limit stated on the command line was exceeded.
+pub const LIMIT_EXCEEDED: u8 = 3;
 
 /// Marks an error as the user's input's fault: exit status 2.
 #[derive(Debug)]

@@ -1,15 +1,16 @@
 //! The program `sealegs` as a library, so that tests call what the verbs call: one file per verb in [`verb`],
 //! what they share in [`failure`] and [`output`].
 //!
-//! Exit status: 0 done, 2 bad input, 3 a limit stated on the command line was passed, 1 anything else.
+//! Exit status: 0 done, 2 bad input, 3 a limit stated on the command line was exceeded, 1 anything else.
 
 pub mod failure;
+mod kind;
 pub mod output;
 pub mod progress;
 pub mod reproduce;
 pub mod verb;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
 use std::sync::OnceLock;
 
@@ -17,13 +18,22 @@ use std::sync::OnceLock;
 #[derive(Parser)]
 #[command(
     name = "sealegs",
-    version,
+    version = VERSION,
     about = "A sandbox for humanoid legs driven by linear series elastic actuators, and the finding of what its models lack",
     arg_required_else_help = true
 )]
 struct Arguments {
     #[command(subcommand)]
     verb: verb::Verb,
+}
+
+/// The version, and the commit that it was built from where that is known.
+const VERSION: &str = env!("SEALEGS_VERSION");
+
+/// The whole command line as clap has it, for man pages, completions and the reference.
+#[must_use]
+pub fn command_line() -> clap::Command {
+    Arguments::command()
 }
 
 /// Runs the command line of this process.

@@ -41,7 +41,7 @@ pub struct ImpactRow {
     pub changes_most: Option<String>,
 }
 
-/// One actuator in one drop. A margin is what is allowed over what was asked: below 1 the limit is passed.
+/// One actuator in one drop. A margin is what is allowed over what was asked: below 1 the limit is exceeded.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ImpactActuator {
     /// Its name.

@@ -60,6 +60,9 @@ fn every_effect_has_a_place_a_full_card_and_few_starts() {
         );
         let texts = [&card.summary, &card.acts_on, &card.equation, &card.validity, &card.reference];
         assert!(texts.iter().all(|t| t.len() > 2), "{card:?}");
+        assert!(card.symbols.contains(": "), "{card:?}");
+        let guide = [&card.told_apart, &card.cure];
+        assert!(guide.iter().all(|t| t.ends_with('.') && t.len() > 40), "{card:?}");
         assert!(card.parameters.iter().any(|p| p.neutral.is_some()), "{}", card.id);
         let starts: usize = card.parameters.iter().map(|p| 1 + p.starts.len()).product();
         assert!(starts <= 8 || card.is_periodic(), "{}: {starts} starts", card.id);

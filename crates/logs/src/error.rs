@@ -72,7 +72,9 @@ pub fn place(file: &Path, at: Place, column: Option<&str>) -> String {
         Place::Row(row) => place.push_str(&format!(", row {row}")),
     }
     if let Some(column) = column {
-        place.push_str(&format!(", column '{column}'"));
+        // A campaign file has keys, a table has columns.
+        let what = if file.extension().is_some_and(|e| e == "toml") { "key" } else { "column" };
+        place.push_str(&format!(", {what} '{column}'"));
     }
     place
 }

@@ -18,6 +18,12 @@ pub struct EffectCard {
     pub validity: String,
     /// Where the law comes from.
     pub reference: String,
+    /// The equation's symbols: `F_c: force; y': speed of the screw`, parameters by their names without a unit.
+    pub symbols: String,
+    /// How data tell it from the effects that look like it, and which experiment shows the difference.
+    pub told_apart: String,
+    /// What is usually done about it.
+    pub cure: String,
     /// Its parameters with guesses that suit the excitation seen. A parameter called [`EffectCard::PHASE`] says that the
     /// effect is periodic: a negative amplitude is the same as a positive one half a turn on.
     pub parameters: Vec<Parameter>,

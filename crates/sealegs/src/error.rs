@@ -72,6 +72,14 @@ pub enum Error {
         /// The effects that it can have.
         known: Vec<String>,
     },
+    /// The catalogue has no such effect.
+    #[error("no effect '{id}' in the catalogue{}", did_you_mean(suggestion.as_deref()))]
+    NoSuchEffect {
+        /// As it was asked for.
+        id: String,
+        /// The nearest id.
+        suggestion: Option<String>,
+    },
     /// The model includes this effect already.
     #[error("{model} includes '{effect}' already")]
     AlreadyIncluded {
@@ -168,6 +176,7 @@ impl Error {
             | Self::RunScenario { .. }
             | Self::RefusedInput { .. }
             | Self::UnknownEffect { .. }
+            | Self::NoSuchEffect { .. }
             | Self::AlreadyIncluded { .. }
             | Self::NoEffect
             | Self::BadEffect { .. }
@@ -188,4 +197,9 @@ impl Error {
     pub(crate) fn model_file(problem: impl std::fmt::Display) -> Self {
         Self::Unwritable { what: "the model file", problem: problem.to_string() }
     }
+}
+
+/// The end of a message that names what comes nearest, if anything does.
+fn did_you_mean(suggestion: Option<&str>) -> String {
+    suggestion.map_or_else(|| "; `sealegs effects` lists it".to_owned(), |s| format!("; did you mean '{s}'?"))
 }

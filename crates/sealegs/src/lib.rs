@@ -27,6 +27,7 @@
 //!   which JSON, text, an HTML report and a Rerun recording are made. [`Options`] says which model is meant
 //!   ([`ModelSource`]), who is told of progress, and who may stop the work ([`Stop`]).
 //! - [`ScenarioBuilder`] and [`leg::scenario::Scenario::run`] simulate a leg, [`BenchBuilder`] an actuator on a bench.
+//! - [`catalogue`] has every effect's card, and what a log shows of it.
 //! - [`mystery`] makes campaigns with something hidden in them, and judges a verdict.
 //! - [`Error`] is one enum for everything that can go wrong, with the members' own errors inside.
 //!
@@ -40,6 +41,7 @@
 
 pub mod bench_model;
 pub mod campaign_model;
+pub mod catalogue;
 pub mod comparison;
 pub mod diagnosis;
 mod error;

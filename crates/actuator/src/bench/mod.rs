@@ -19,6 +19,7 @@ mod observed;
 mod pendulum;
 mod run;
 mod sensor;
+mod signature;
 
 pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, command_times};
 pub use linear::StateSpace;

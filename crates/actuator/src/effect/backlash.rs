@@ -30,6 +30,12 @@ impl Effect for Backlash {
             validity: "Width g of the whole dead zone; play in universal joint or nut; impacts follow from the spring's stiffness.".to_owned(),
             reference: "M. Nordin and P.-O. Gutman 2002, Automatica 38(10)".to_owned(),
             parameters,
+            symbols: "delta: deflection; g: gap".to_owned(),
+            told_apart: "It shows only where the force passes through zero: the deflection changes without force, and \
+                         the end of the gap is an impact. Presliding friction gives way at every reversal, under any \
+                         load.".to_owned(),
+            cure: "Preload the joint so that the force keeps its sign, or replace the worn universal joint or \
+                   nut.".to_owned(),
             passive: true,
             becomes: None,
         }

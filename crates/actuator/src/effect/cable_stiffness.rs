@@ -42,6 +42,12 @@ impl Effect for CableStiffness {
                         Control of Robots, chapter 12"
                 .to_owned(),
             parameters,
+            symbols: "k_c: stiffness; x_0: rest; x: position of the output".to_owned(),
+            told_apart: "It grows in proportion to the position. Output-offset does not change with it, and the \
+                         torque of gravity follows the sine of the angle. Slow motion over the whole range tells them \
+                         apart.".to_owned(),
+            cure: "Lead cables and hoses through the joint's axis, with slack. Otherwise feed the pull forward \
+                   over the angle.".to_owned(),
             passive: true,
             becomes: None,
         }

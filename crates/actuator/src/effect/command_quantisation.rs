@@ -35,6 +35,14 @@ impl Effect for CommandQuantisation {
             validity: "Felt at small commands; the count is in the command's unit.".to_owned(),
             reference: "Quantisation of digital-to-analogue conversion".to_owned(),
             parameters,
+            symbols: "u: command".to_owned(),
+            told_apart:
+                "Slow ramps at small commands: the force rises in steps of equal height. Dry friction holds \
+                         back as well, but shows no steps and depends on the direction."
+                    .to_owned(),
+            cure:
+                "A finer resolution of the command (more bits, a smaller full scale), or dither of one count."
+                    .to_owned(),
             passive: false,
             becomes: None,
         }

@@ -24,6 +24,12 @@ impl Effect for CoulombFriction {
             validity: "Opposes the screw's motion; holds without creep.".to_owned(),
             reference: "C. A. Coulomb 1785; Armstrong-Helouvry et al. 1994, Automatica 30(7)".to_owned(),
             parameters,
+            symbols: "F_c: force; y': speed of the screw".to_owned(),
+            told_apart: "Load-dependent friction grows with the load, this one does not: record runs under different \
+                         loads. Stribeck friction rises towards standstill: record slow reversals. Viscous damping \
+                         vanishes with the speed, this one does not.".to_owned(),
+            cure: "Feed the friction force forward by the sign of the wanted speed, or close a force loop \
+                   around the spring, which measures behind the friction. Check seals, preload and lubrication.".to_owned(),
             passive: true,
             becomes: None,
         }

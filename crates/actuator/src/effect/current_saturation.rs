@@ -31,6 +31,11 @@ impl Effect for CurrentSaturation {
             validity: "Felt only where the command passes the limit.".to_owned(),
             reference: "Dissertation section 4-6-1".to_owned(),
             parameters,
+            symbols: "I: commanded current; I_max: limit".to_owned(),
+            told_apart: "It cuts above one level of the command, at standstill as in motion. Voltage saturation cuts \
+                         earlier as the speed rises.".to_owned(),
+            cure: "Keep the commands below the limit and add anti-windup, or raise the limit if motor and drive \
+                   bear it.".to_owned(),
             passive: true,
             becomes: None,
         }

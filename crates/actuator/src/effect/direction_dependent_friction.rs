@@ -27,6 +27,11 @@ impl Effect for DirectionDependentFriction {
             validity: "Opposes the screw's motion; a lies between -1 and 1.".to_owned(),
             reference: "Armstrong-Helouvry et al. 1994, Automatica 30(7), section 2".to_owned(),
             parameters,
+            symbols: "F_c: force; a: asymmetry".to_owned(),
+            told_apart: "While it moves it equals Coulomb friction with a constant force beside it. Standstill tells: \
+                         friction only balances what is applied, output-offset goes on pushing. The asymmetry of \
+                         directional-efficiency changes its side with the load.".to_owned(),
+            cure: "Look for misalignment, one-sided preload or a lip seal. Feed both levels forward.".to_owned(),
             passive: true,
             becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None }),
         }

@@ -31,6 +31,13 @@ impl Effect for DirectionalEfficiency {
                 .to_owned(),
             reference: "A. Wang, S. Kim 2015, Directional efficiency in geared transmissions, IEEE ICRA".to_owned(),
             parameters,
+            symbols: "mu_f: driving_coefficient; mu_b: driven_coefficient; F: force in the screw; y': speed of the \
+                      screw".to_owned(),
+            told_apart: "Load-dependent friction has one coefficient for both cases. Motion with the load and against \
+                         it, in both directions, tells them apart.".to_owned(),
+            cure: "Use both coefficients in the feedforward. Where impacts must be passed on to the motor, \
+                   choose a greater lead or a smaller gear ratio: a screw that is hard to drive back protects \
+                   nothing.".to_owned(),
             passive: true,
             becomes: Some(SimplerLaw { id: "load-dependent-friction", departure: 1, like: Some(0) }),
         }

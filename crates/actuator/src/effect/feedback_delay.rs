@@ -20,6 +20,11 @@ impl Effect for FeedbackDelay {
                 .to_owned(),
             reference: "G. F. Franklin, J. D. Powell, A. Emami-Naeini, Feedback Control of Dynamic Systems".to_owned(),
             parameters: vec![setting.delay()],
+            symbols: "e: control error; tau: delay".to_owned(),
+            told_apart: "It acts inside the servo's loop: ringing and overshoot grow with the gain. Transport-delay \
+                         shifts the whole answer and keeps its shape, sensor-delay shifts only the log. Record runs \
+                         at two gains.".to_owned(),
+            cure: "A faster loop or a lower gain. Take the derivative from a measured speed where there is one.".to_owned(),
             passive: false,
             becomes: None,
         }

@@ -23,6 +23,12 @@ impl Effect for HardeningSpring {
             validity: "Positive k_3 hardens; symmetric in compression and tension.".to_owned(),
             reference: "G. Duffing 1918; dissertation sections 4-6-4 and 5-2".to_owned(),
             parameters,
+            symbols: "k: the spring's stiffness; k_3: cubic; delta: deflection".to_owned(),
+            told_apart: "A wrong stiffness is wrong by the same ratio at every deflection, this one is right at small \
+                         deflections. Backlash acts around zero only, hysteresis opens a loop. Slow loads up to the \
+                         greatest force tell them apart.".to_owned(),
+            cure: "Use the measured curve of force over deflection in the force estimate, or keep within the \
+                   linear range.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -27,6 +27,12 @@ impl Effect for LoadDependentFriction {
             validity: "Opposes the screw's motion; the loss of efficiency of a ball screw or a gear.".to_owned(),
             reference: "Ball-screw efficiency, e.g. Olaru et al. 2005; dissertation section 3-3-2 (not modelled there)".to_owned(),
             parameters,
+            symbols: "mu: coefficient; F_bs: force in the screw; y': speed of the screw".to_owned(),
+            told_apart: "Coulomb friction does not change with the load: record equal motion under different loads. \
+                         Directional efficiency has one coefficient while it drives the load and another while the \
+                         load drives it.".to_owned(),
+            cure: "Divide the wanted force by the efficiency in the feedforward. Check preload, alignment and \
+                   lubrication of the nut.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -24,6 +24,7 @@ mod sensor_delay;
 mod sensor_lag;
 mod series_compliance;
 mod setting;
+mod signature;
 mod spring_damping;
 mod spring_hysteresis;
 mod stribeck_friction;
@@ -40,6 +41,8 @@ pub(crate) use own::embedded;
 pub use own::{Expression, Fault, OwnEffect};
 pub(crate) use pwm_dead_zone::PwmDeadZone;
 pub use setting::{ActuatorKind, CommandKind, Quantity, Setting, magnitude, with_neutral, with_starts};
+pub(crate) use signature::law;
+pub use signature::{Curve, Graph, GraphAxis};
 pub(crate) use transport_delay::TransportDelay;
 
 use crate::plant::Plant;

@@ -31,6 +31,10 @@ impl Effect for OutputFriction {
                 .to_owned(),
             reference: "C. A. Coulomb 1785".to_owned(),
             parameters,
+            symbols: "T_c: torque".to_owned(),
+            told_apart: "It lies behind the spring, so that the spring's force balances it. Coulomb friction of the \
+                         rotor lies before the spring: compare the measured forces with the joint's motion.".to_owned(),
+            cure: "Better bearings or seals, and feedforward by the joint's speed.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -46,6 +46,10 @@ impl Effect for OutputOffset {
                 .to_owned(),
             reference: "M. Gautier, W. Khalil 1988, Proc. IEEE CDC: the offset of identified joint models".to_owned(),
             parameters,
+            symbols: "F_0: torque or force on the output".to_owned(),
+            told_apart: "It has one sign and one size in both directions and at rest. Friction changes its sign with \
+                         the direction, the pull of a cable changes with the position.".to_owned(),
+            cure: "Level the rig, remove what pulls, set the sensor to zero; otherwise subtract the constant.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -33,6 +33,14 @@ impl Effect for PreslidingFriction {
             validity: "Opposes the screw's motion; stores energy while it sticks.".to_owned(),
             reference: "P. R. Dahl 1968; Dupont et al. 2002, IEEE Trans. Automatic Control 47(5)".to_owned(),
             parameters,
+            symbols: "f: friction force; sigma: stiffness; F_c: force; y': speed of the screw".to_owned(),
+            told_apart:
+                "Oscillations too small to slip: here the screw still moves, as on a spring; under Coulomb \
+                         friction it stands still. In wide motion the two are alike."
+                    .to_owned(),
+            cure:
+                "Feed its elastic state forward. Avoid integral action while it sticks: the loop would hunt."
+                    .to_owned(),
             passive: true,
             becomes: None,
         }

@@ -26,6 +26,11 @@ impl Effect for PwmDeadZone {
                         inverters"
                 .to_owned(),
             parameters: vec![with_starts(duty, [0.005, 0.08])],
+            symbols: "d: duty; d_0: dead_duty".to_owned(),
+            told_apart: "It takes the same share of the voltage at every command, whichever way the motor turns. \
+                         Coulomb friction acts against the motion: let the load drive the motor, and the two differ \
+                         in sign.".to_owned(),
+            cure: "Add the dead duty to the command by its sign: the dead-time compensation of many drives.".to_owned(),
             passive: true,
             becomes: None,
         }

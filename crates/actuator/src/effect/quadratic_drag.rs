@@ -21,6 +21,12 @@ impl Effect for QuadraticDrag {
             validity: "Opposes the screw's motion; windage and churning of grease.".to_owned(),
             reference: "Standard drag law".to_owned(),
             parameters,
+            symbols: "c: coefficient; y': speed of the screw".to_owned(),
+            told_apart:
+                "Viscous damping grows with the speed, this one with its square, dry friction with neither. \
+                         Runs at several speeds up to the greatest tell them apart."
+                    .to_owned(),
+            cure: "Feed it forward at high speed. Less grease, and openings against windage.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -19,6 +19,11 @@ impl Effect for SensorDelay {
             validity: "On all sensors, or on the one that is named; a delay of all of them cannot be told from one of the drive.".to_owned(),
             reference: "Any bus or logger; dissertation section 2-4-3".to_owned(),
             parameters: vec![setting.delay()],
+            symbols: "x: true signal; tau: delay".to_owned(),
+            told_apart: "One channel runs late against the others by the same time at every frequency. A late drive \
+                         delays all of them; a lag also takes amplitude.".to_owned(),
+            cure: "Stamp the samples at their source or by a common trigger. Until then shift the file by its \
+                   offset_s.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -27,6 +27,14 @@ impl Effect for SensorLag {
             validity: "On all force and torque sensors, or on the one that is named.".to_owned(),
             reference: "Any amplifier with a filter; e.g. load-cell conditioners".to_owned(),
             parameters,
+            symbols: "F: true force; x: shown force; f_c: cutoff".to_owned(),
+            told_apart:
+                "Above the cutoff the amplitude falls. A sensor-delay changes the phase and keeps the \
+                         amplitude; damping changes the motion as well, this one only what is shown."
+                    .to_owned(),
+            cure: "Raise the filter's cutoff, filter all channels alike, or put the known filter into the \
+                   model."
+                .to_owned(),
             passive: false,
             becomes: None,
         }

@@ -38,6 +38,11 @@ impl Effect for SeriesComplianceEffect {
             validity: "Indistinguishable from a softer spring where only forces and the rotor are measured on a locked bench.".to_owned(),
             reference: "Dissertation sections 2-5-1 and 5-2; 2771 kN/m follows from equations 2-9 and 2-10".to_owned(),
             parameters: vec![stiffness, mass],
+            symbols: "k_j: stiffness; x_s, x_2: positions of the screw's end and of link 2".to_owned(),
+            told_apart: "A softer spring explains forces and rotor on a locked bench as well. Measure the deflection \
+                         of the spring or the output's motion, or let the output move: then they differ.".to_owned(),
+            cure: "Stiffen universal joints and clamps, or use the stiffness of both in series in the \
+                   controller.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -21,6 +21,11 @@ impl Effect for SpringDamping {
             validity: "Force positive in compression; material and joint damping, taken as zero in the dissertation.".to_owned(),
             reference: "Dissertation sections 3-3-1 and 5-2".to_owned(),
             parameters,
+            symbols: "k: the spring's stiffness; c: damping; delta, delta': deflection and its rate".to_owned(),
+            told_apart: "The loop of force over deflection widens with the rate; that of spring-hysteresis does not. \
+                         Damping of the rotor acts before the spring and leaves the spring's own force as it is.".to_owned(),
+            cure: "Measure the force by a load cell, or put the damping into the force estimate. It helps \
+                   against ringing and may stay.".to_owned(),
             passive: true,
             becomes: None,
         }

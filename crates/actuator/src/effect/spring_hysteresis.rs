@@ -34,6 +34,11 @@ impl Effect for SpringHysteresis {
             reference: "W. D. Iwan 1966, J. Applied Mechanics 33; dissertation section 2-5-1 (clamp)"
                 .to_owned(),
             parameters,
+            symbols: "k: the spring's stiffness; k_h: stiffness; F_h: slip_force; delta: deflection".to_owned(),
+            told_apart: "Slow cycles leave an open loop of force over deflection. The loop of spring-damping closes \
+                         when slow; friction of the rotor lies between motor and spring, not between force and \
+                         deflection.".to_owned(),
+            cure: "Tighten or bond the clamp. Take the force from a load cell and not from the deflection.".to_owned(),
             passive: true,
             becomes: None,
         }

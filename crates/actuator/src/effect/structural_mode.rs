@@ -30,6 +30,12 @@ impl Effect for StructuralMode {
             validity: "Seen by the force and torque sensors; the participation g may have either sign.".to_owned(),
             reference: "Dissertation section 3-4-2: the unexplained resonance at 80 Hz, attributed to a ball-screw mode".to_owned(),
             parameters,
+            symbols: "g: participation; w: angular frequency; zeta: damping_ratio; p: Laplace variable".to_owned(),
+            told_apart: "A peak at one frequency in the measured forces that the rotor's motion does not show. Series \
+                         compliance moves the rotor as well; torque ripple changes its frequency with the speed. A \
+                         sweep tells them apart.".to_owned(),
+            cure: "Keep the bandwidth below the mode, or place a notch there. Stiffen or damp the part, or move \
+                   the load cell.".to_owned(),
             passive: false,
             becomes: None,
         }

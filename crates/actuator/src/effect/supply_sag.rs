@@ -25,6 +25,13 @@ impl Effect for SupplySag {
                         transformer of ratio d"
                 .to_owned(),
             parameters: vec![with_neutral(with_starts(resistance, [0.02 * winding, 0.5 * winding]), 0.0)],
+            symbols: "V: voltage at the motor; V_0: nominal supply; R_s: resistance; I: current; R: winding; K_tau \
+                      theta': back-EMF".to_owned(),
+            told_apart: "A wrong winding resistance takes in proportion to the current, this one to the current and \
+                         the duty squared. Record high current at low and at high speed, or log supply_v: then it is \
+                         no longer needed.".to_owned(),
+            cure: "Shorter and thicker leads, a stiffer supply, capacitors at the drive, or a drive that \
+                   compensates the measured supply.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -31,6 +31,11 @@ impl Effect for TorqueRipple {
             validity: "Positive lengthens the screw; N whole cycles per turn of the rotor.".to_owned(),
             reference: "D. Hanselman, Brushless Permanent-Magnet Motor Design, chapter on cogging".to_owned(),
             parameters,
+            symbols: "A: amplitude; N: cycles_per_rev; theta: rotor angle; F_m: motor force".to_owned(),
+            told_apart: "The residual repeats with the rotor's angle; that of a structural mode repeats with time, at \
+                         one frequency whatever the speed. Slow, even motion over several turns tells them apart.".to_owned(),
+            cure: "A table of the force over the rotor angle in the feedforward, better commutation in the \
+                   current loop, or a motor with skewed magnets.".to_owned(),
             passive: false,
             becomes: None,
         }

@@ -19,6 +19,12 @@ impl Effect for TransportDelay {
             validity: "Communication, control loops and computation; cannot be told from an equal delay of every sensor.".to_owned(),
             reference: "Dissertation section 2-4-3".to_owned(),
             parameters: vec![setting.delay()],
+            symbols: "I: commanded current; tau: delay".to_owned(),
+            told_apart: "It delays all sensors alike; sensor-delay at one channel shifts that channel against the \
+                         others. A lag rounds a step, a delay only shifts it. An equal delay of every sensor cannot \
+                         be told from it.".to_owned(),
+            cure: "A shorter cycle or a faster bus, a prediction over the known delay in the controller, or \
+                   lower gains.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -40,6 +40,14 @@ impl Effect for VoltageSaturation {
             reference: "D. Hanselman, Brushless Permanent-Magnet Motor Design; dissertation section 4-7"
                 .to_owned(),
             parameters,
+            symbols: "I: current; V_bus: bus; R: resistance; K_tau theta': back-EMF".to_owned(),
+            told_apart:
+                "It cuts only where the motion is fast. Current saturation does not depend on the speed: \
+                         record the same command at standstill and in fast motion."
+                    .to_owned(),
+            cure: "A higher bus voltage, a winding with fewer turns or slower motion. Anti-windup in the \
+                   controller."
+                .to_owned(),
             passive: true,
             becomes: None,
         }

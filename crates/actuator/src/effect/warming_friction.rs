@@ -32,6 +32,11 @@ impl Effect for WarmingFriction {
                         effects on joint friction"
                 .to_owned(),
             parameters,
+            symbols: "F_c: force; a: fall; E_0: energy; E: heat that the friction has made; y': speed of the screw".to_owned(),
+            told_apart: "Coulomb friction is the same at the end of a run as at its beginning. One long run of even \
+                         motion tells them apart.".to_owned(),
+            cure: "Warm the drive up before measuring and before work, or schedule the feedforward by the \
+                   temperature.".to_owned(),
             passive: true,
             becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None }),
         }

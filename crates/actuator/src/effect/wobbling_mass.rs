@@ -35,6 +35,12 @@ impl Effect for WobblingMassEffect {
                 .to_owned(),
             reference: "Dissertation section 5-2 (wobbling masses)".to_owned(),
             parameters,
+            symbols: "m: mass; rho: radius; w: displacement; w0: angular frequency; zeta: damping_ratio; theta: \
+                      joint angle".to_owned(),
+            told_apart: "A wrong inertia acts alike at all frequencies, this one rings near its own. A structural \
+                         mode shows in the forces only, this one also in the joint's motion. A sweep tells them \
+                         apart.".to_owned(),
+            cure: "Fasten what is loose (battery, cover, cable), or give the model a second body.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// One limit that was passed.
+/// One limit that was exceeded.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OverLimit {
     /// Which limit, with the unit of its numbers.

@@ -1,11 +1,11 @@
 //! `sealegs add`: puts an effect into a model, refits, and writes the better model.
 
-use crate::failure::OrBadInput;
+use crate::kind;
 use crate::output::Destination;
 use crate::progress;
 use clap::Args;
+use sealegs::Options;
 use sealegs::diagnosis::named;
-use sealegs::{Campaign, Options};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -45,7 +45,7 @@ pub struct Add {
 pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     let started = Instant::now();
     let (effects, _) = named(&arguments.effect)?;
-    let campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
+    let campaign = kind::campaign(&arguments.campaign)?;
     let output = Destination::new(&arguments.output)?;
     let json = Destination::optional(arguments.json.as_ref())?;
     let report = Destination::optional(arguments.report.as_ref())?;

@@ -1,6 +1,7 @@
 //! `sealegs check`: what a campaign holds and what it can identify, before any fit.
 
 use crate::failure::OrBadInput;
+use crate::kind;
 use crate::output::Destination;
 use clap::Args;
 use sealegs::campaign_model;
@@ -33,7 +34,7 @@ pub struct CheckArguments {
 ///
 /// Bad input for a campaign or model file with an error in it; otherwise if the model cannot be simulated.
 pub fn run(arguments: &CheckArguments) -> anyhow::Result<u8> {
-    let mut campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
+    let mut campaign = kind::campaign(&arguments.campaign)?;
     let model = campaign_model::of_campaign(&mut campaign, arguments.model.as_deref())?;
     campaign.notes.extend(campaign.check_against(model.as_ref()).or_bad_input()?);
     let json = Destination::optional(arguments.json.as_ref())?;

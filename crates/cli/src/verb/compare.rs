@@ -1,9 +1,9 @@
 //! `sealegs compare`: where the model fails, and by how much.
 
-use crate::failure::OrBadInput;
+use crate::kind;
 use crate::output::Destination;
 use clap::Args;
-use sealegs::{Campaign, ModelSource, Options};
+use sealegs::{ModelSource, Options};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ pub struct Compare {
 /// Bad input for a campaign or model file with an error in it; otherwise if an output file cannot be written
 /// or the model cannot be simulated.
 pub fn run(arguments: &Compare) -> anyhow::Result<u8> {
-    let campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
+    let campaign = kind::campaign(&arguments.campaign)?;
     let json = Destination::optional(arguments.json.as_ref())?;
     let report = Destination::optional(arguments.report.as_ref())?;
     let rrd = Destination::optional(arguments.rrd.as_ref())?;

@@ -1,10 +1,10 @@
 //! `sealegs diagnose`: which physical effect is missing.
 
-use crate::failure::OrBadInput;
+use crate::kind;
 use crate::output::Destination;
 use crate::progress;
 use clap::Args;
-use sealegs::{Campaign, ModelSource, Options};
+use sealegs::{ModelSource, Options};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ pub struct Diagnose {
 /// unless forced; otherwise if an output file cannot
 /// be written or nothing can be simulated.
 pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
-    let campaign = Campaign::read(&arguments.campaign).or_bad_input()?;
+    let campaign = kind::campaign(&arguments.campaign)?;
     let json = Destination::optional(arguments.json.as_ref())?;
     let report = Destination::optional(arguments.report.as_ref())?;
     let rrd = Destination::optional(arguments.rrd.as_ref())?;

@@ -1,16 +1,16 @@
 //! `sealegs impact`: drops from several heights with several springs, as a table and as a gate.
 
 use super::run::{load, progress};
-use crate::failure::{LIMIT_PASSED, OrBadInput, bad_input};
+use crate::failure::{LIMIT_EXCEEDED, OrBadInput, bad_input};
 use crate::output::Destination;
 use clap::Args;
-use sealegs::leg::impact::{ImpactTable, sweep};
+use sealegs::leg::impact::{ImpactRow, ImpactTable, sweep};
 use sealegs::leg::scenario::SweepSpec;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// Drop a leg from several heights with several springs; exit status 3 when a stated limit is passed.
+/// Drop a leg from several heights with several springs; exit status 3 when a stated limit is exceeded.
 #[derive(Args)]
 pub struct Impact {
     /// A shipped scenario's name (see `sealegs list`) or a TOML file.
@@ -21,7 +21,7 @@ pub struct Impact {
     /// Spring settings of all actuators; without it those of the scenario's [sweep].
     #[arg(long, value_delimiter = ',', value_name = "SETTING,...")]
     springs: Vec<String>,
-    /// Exit with status 3 if any actuator's force passes this, N.
+    /// Exit with status 3 if any actuator's force exceeds this, N.
     #[arg(long, value_name = "N")]
     max_force: Option<f64>,
     /// Repeat every drop at half the step and print how much the peak forces change.
@@ -85,7 +85,7 @@ pub fn run(args: &Impact) -> anyhow::Result<u8> {
         json.write(format!("{}\n", serde_json::to_string_pretty(&table)?).as_bytes())?;
     }
     if !to_stdout {
-        std::io::stdout().write_all(text_of(&table).as_bytes())?;
+        std::io::stdout().write_all((text_of(&table) + &survival(&table, args.max_force)).as_bytes())?;
     }
     if let Some(row) = table.rows.iter().find(|r| r.stopped.is_some()) {
         let why = row.stopped.as_deref().unwrap_or_default();
@@ -101,9 +101,9 @@ fn gate(table: &ImpactTable, max_force_n: Option<f64>) -> u8 {
     for row in &table.rows {
         let (force, name) = row.greatest_force();
         if force > limit {
-            status = LIMIT_PASSED;
+            status = LIMIT_EXCEEDED;
             eprintln!(
-                "limit passed: {name} {force:.0} N > {limit:.0} N (drop of {} m, {} springs)",
+                "limit exceeded: {name} {force:.0} N > {limit:.0} N (drop of {} m, {} springs)",
                 row.height_m, row.spring
             );
         }
@@ -152,7 +152,7 @@ pub(super) fn text_of(table: &ImpactTable) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
-        "{}: {} drops at a step of {:.0} us; margin = allowed over asked, below 1 the limit is passed",
+        "{}: {} drops at a step of {:.0} us; margin = allowed over asked, below 1 the limit is exceeded",
         table.scenario,
         table.rows.len(),
         1e6 * table.step_s
@@ -189,4 +189,134 @@ pub(super) fn text_of(table: &ImpactTable) -> String {
         }
     }
     out
+}
+
+/// A drop beside its limits: the least margin of any actuator, and whose it is.
+struct Verdict {
+    /// Allowed over asked; infinite where no limit is known.
+    margin: f64,
+    /// Actuator and limit.
+    what: String,
+}
+
+/// The least margin of a drop over the rated forces, the yield strengths and the limit of the command line.
+fn verdict(row: &ImpactRow, max_force_n: Option<f64>) -> Verdict {
+    let of_actuators = row.actuators.iter().flat_map(|a| {
+        let rated = a.force_margin.map(|m| (m, format!("{} rated force", a.name)));
+        let yielding = a.stress_margin.map(|m| (m, format!("{} yield strength", a.name)));
+        rated.into_iter().chain(yielding)
+    });
+    let (force, name) = row.greatest_force();
+    let stated = max_force_n.filter(|_| force > 0.0).map(|max| (max / force, format!("{name} --max-force")));
+    let none = (f64::INFINITY, String::new());
+    let (margin, what) =
+        of_actuators.chain(stated).fold(none, |least, m| if m.0 < least.0 { m } else { least });
+    Verdict { margin, what }
+}
+
+/// One table of springs over heights: the least margin, and what is exceeded where it is below 1; then which survive.
+fn survival(table: &ImpactTable, max_force_n: Option<f64>) -> String {
+    let mut heights: Vec<f64> = Vec::new();
+    let mut springs: Vec<&str> = Vec::new();
+    for row in &table.rows {
+        if !heights.contains(&row.height_m) {
+            heights.push(row.height_m);
+        }
+        if !springs.contains(&row.spring.as_str()) {
+            springs.push(&row.spring);
+        }
+    }
+    let cell = |spring: &str, height: f64| -> (String, bool) {
+        let Some(row) = table.rows.iter().find(|r| r.spring == spring && r.height_m == height) else {
+            return ("-".to_owned(), false);
+        };
+        if row.stopped.is_some() {
+            return ("stopped".to_owned(), false);
+        }
+        let Verdict { margin, what } = verdict(row, max_force_n);
+        match margin {
+            m if m.is_infinite() => ("no limit known".to_owned(), true),
+            m if m < 1.0 => (format!("{m:.2} {what}"), false),
+            m => (format!("{m:.2}"), true),
+        }
+    };
+    let cells: Vec<Vec<(String, bool)>> =
+        springs.iter().map(|s| heights.iter().map(|h| cell(s, *h)).collect()).collect();
+    let name = springs.iter().map(|s| s.chars().count()).max().unwrap_or(0).max(6);
+    let width = cells.iter().flatten().map(|(text, _)| text.chars().count()).max().unwrap_or(0).max(8);
+    let mut out = String::from("\nLeast margin of any actuator, and what is exceeded where it is below 1:\n");
+    let _ = write!(out, "  {:<name$}", "spring");
+    for height in &heights {
+        let _ = write!(out, "  {:<width$}", format!("{height} m"));
+    }
+    out.truncate(out.trim_end().len());
+    out.push('\n');
+    for (spring, row) in springs.iter().zip(&cells) {
+        let _ = write!(out, "  {spring:<name$}");
+        for (text, _) in row {
+            let _ = write!(out, "  {text:<width$}");
+        }
+        out.truncate(out.trim_end().len());
+        out.push('\n');
+    }
+    for (spring, row) in springs.iter().zip(&cells) {
+        let kept = heights.iter().zip(row).filter(|(_, (_, survives))| *survives);
+        let kept: Vec<String> = kept.map(|(h, _)| format!("{h} m")).collect();
+        let said = match kept.len() {
+            0 => "no drop".to_owned(),
+            n if n == heights.len() => "every drop".to_owned(),
+            _ => kept.join(", "),
+        };
+        let _ = writeln!(out, "{spring} springs survive {said}.");
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sealegs::leg::impact::ImpactActuator;
+
+    fn row(height_m: f64, spring: &str, force_margin: f64, stress_margin: Option<f64>) -> ImpactRow {
+        let knee = ImpactActuator {
+            name: "knee".to_owned(),
+            force_1_n: 900.0,
+            force_2_n: -1000.0,
+            deflection_m: 1e-3,
+            stress_pa: None,
+            force_margin: Some(force_margin),
+            stress_margin,
+        };
+        ImpactRow {
+            height_m,
+            spring: spring.to_owned(),
+            ground_force_n: 2000.0,
+            ground_force_time_s: 0.1,
+            actuators: vec![knee],
+            energy_residual: 0.0,
+            stopped: None,
+            change_at_half_step: None,
+            changes_most: None,
+        }
+    }
+
+    #[test]
+    fn the_last_table_says_which_spring_survives_which_drop() {
+        let rows = vec![
+            row(0.05, "compliant", 2.0, Some(1.5)),
+            row(0.05, "stiff", 1.2, None),
+            row(0.1, "compliant", 1.1, Some(0.8)),
+            row(0.1, "stiff", 0.5, None),
+        ];
+        let table = ImpactTable { scenario: "drop".to_owned(), step_s: 1e-4, rows };
+        let text = survival(&table, None);
+        assert!(
+            text.contains("0.80 knee yield strength") && text.contains("0.50 knee rated force"),
+            "{text}"
+        );
+        assert!(text.contains("compliant springs survive 0.05 m.\nstiff springs survive 0.05 m."), "{text}");
+        // 1000 N against 400 N: everything fails, and the reason is the stated limit.
+        let text = survival(&table, Some(400.0));
+        assert!(text.contains("0.40 knee --max-force") && text.contains("survive no drop"), "{text}");
+    }
 }

@@ -3,12 +3,13 @@
 use crate::failure::OrBadInput;
 use clap::Args;
 use sealegs::actuator::ActuatorSpec;
+use sealegs::catalogue;
 use sealegs::leg::robot::Robot;
 use sealegs::leg::scenario::{Scenario, preset_names};
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// List the robots, actuators and scenarios that come with the program.
+/// List the robots, actuators, scenarios, effects and campaigns that come with the program.
 #[derive(Args)]
 pub struct List {}
 
@@ -38,6 +39,23 @@ pub fn run(_: &List) -> anyhow::Result<u8> {
     for name in ActuatorSpec::preset_names() {
         let spec = ActuatorSpec::load(name, None).or_bad_input()?;
         let _ = writeln!(out, "  {name:<20}{} (spring: {})", spec.description, spec.spring.settings());
+    }
+    out.push_str("campaigns\n");
+    let _ = writeln!(
+        out,
+        "  {:<20}three drops to fit on and one to judge by; `sealegs tour` unpacks it",
+        "leg-drop"
+    );
+    let _ = writeln!(
+        out,
+        "  {:<20}`sealegs mystery -o FOLDER` makes one with something hidden in it",
+        "any number more"
+    );
+    out.push_str("effects (sealegs effects ID)\n");
+    for entry in catalogue::entries()? {
+        let card = entry.card();
+        let found = entry.found_on().join(", ");
+        let _ = writeln!(out, "  {:<30}{found:<12}{}", card.id, card.summary);
     }
     std::io::stdout().write_all(out.as_bytes())?;
     Ok(0)

@@ -4,13 +4,16 @@ mod add;
 mod bench;
 mod check;
 mod compare;
+mod completions;
 pub mod design;
 mod design_report;
 mod diagnose;
+mod effects;
 mod export;
 mod impact;
 mod import;
 mod list;
+pub mod man;
 mod mystery;
 mod reproduce;
 mod reveal;
@@ -26,10 +29,12 @@ pub enum Verb {
     Tour(tour::Tour),
     /// Run a scenario: a drop, a swing, a leg of your own.
     Run(run::Run),
-    /// Drop a leg from several heights with several springs; exit status 3 when a stated limit is passed.
+    /// Drop a leg from several heights with several springs; exit status 3 when a stated limit is exceeded.
     Impact(impact::Impact),
-    /// List the robots, actuators and scenarios that come with the program.
+    /// List the robots, actuators, scenarios, effects and campaigns that come with the program.
     List(list::List),
+    /// Show the catalogue of effects, or one effect: its law, how it is told from its neighbours, its signature.
+    Effects(effects::Effects),
     /// Look into log files of any kind and write a first campaign file for them.
     Import(import::Import),
     /// Check a campaign: clocks, gaps, saturation, noise, excitation, and what it can identify.
@@ -52,6 +57,12 @@ pub enum Verb {
     Reproduce(reproduce::Reproduce),
     /// Choose spring stiffness and spring side for a force bandwidth.
     Design(design::DesignArguments),
+    /// Print the completions of a shell.
+    #[command(hide = true)]
+    Completions(completions::Completions),
+    /// Write the man pages into a folder.
+    #[command(hide = true)]
+    Man(man::Man),
 }
 
 /// Does what was asked.
@@ -65,6 +76,9 @@ pub fn run(verb: Verb) -> anyhow::Result<u8> {
         Verb::Run(arguments) => run::run(&arguments),
         Verb::Impact(arguments) => impact::run(&arguments),
         Verb::List(arguments) => list::run(&arguments),
+        Verb::Effects(arguments) => effects::run(&arguments),
+        Verb::Completions(arguments) => completions::run(&arguments),
+        Verb::Man(arguments) => man::run(&arguments),
         Verb::Import(arguments) => import::run(&arguments),
         Verb::Check(arguments) => check::run(&arguments),
         Verb::Compare(arguments) => compare::run(&arguments),

@@ -1,6 +1,7 @@
 //! `sealegs run`: one scenario from beginning to end, to look at and to read.
 
 use crate::failure::{OrBadInput, bad_input};
+use crate::kind;
 use crate::output::Destination;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -142,6 +143,7 @@ fn prepare(args: &Run) -> anyhow::Result<(Scenario, Simulation)> {
 
 /// The scenario with the command line's changes.
 pub(super) fn load(name: &str, set: &[String], step: Option<f64>) -> anyhow::Result<Scenario> {
+    kind::expect_scenario(name)?;
     let mut set = set.to_vec();
     set.extend(step.map(|s| format!("step_s={s:?}")));
     Scenario::load(name, &set).or_bad_input()

@@ -66,6 +66,14 @@ impl Ground {
         let (sin, cos) = self.slope_rad.sin_cos();
         [-sin, 0.0, cos]
     }
+
+    /// The normal force of one sole point in N, `depth` m below the plane and sinking at `rate` m/s.
+    #[must_use]
+    #[inline]
+    pub(crate) fn normal_force_n(&self, depth: f64, rate: f64) -> f64 {
+        let stiff = if self.exponent == 1.5 { depth * depth.sqrt() } else { depth.powf(self.exponent) };
+        (self.stiffness_n_m_n * stiff * (1.0 + self.damping_s_m * rate)).max(0.0)
+    }
 }
 
 /// A point of a sole, possibly with a radius around it.
@@ -210,8 +218,7 @@ impl Contact {
             let at = place - self.normal * point.radius_m;
             let velocity = body.velocity_at(&at);
             let rising = velocity.dot(&self.normal);
-            let stiff = if g.exponent == 1.5 { depth * depth.sqrt() } else { depth.powf(g.exponent) };
-            let normal = (g.stiffness_n_m_n * stiff * (1.0 - g.damping_s_m * rising)).max(0.0);
+            let normal = g.normal_force_n(depth, -rising);
             // The root was where the point first touched; the point has moved since by what it travelled.
             if touch.touching {
                 let mut moved = moved;

@@ -36,6 +36,11 @@ impl LegEffect for ContactCompliance {
                 ),
                 with_neutral(with_starts(change, [0.5]), 0.0),
             ],
+            symbols: "s: stiffness_ratio; k, n, c: the scenario's contact; d: depth; dc: damping_change; N: normal \
+                      force".to_owned(),
+            told_apart: "The first milliseconds after touch-down change in peak and length, the flight does not. A \
+                         wrong spring setting shows while the leg swings as well.".to_owned(),
+            cure: "Press the sole on a scale and correct the scenario's [ground], or replace a worn sole.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -28,6 +28,13 @@ impl LegEffect for GroundFriction {
             validity: "Felt only where the sole slips, or would.".to_owned(),
             reference: "C. A. Coulomb 1785".to_owned(),
             parameters: vec![with_neutral(with_starts(change, [-0.85 * own, 0.2]), 0.0)],
+            symbols: "T: tangential force; N: normal force; mu: the scenario's coefficient".to_owned(),
+            told_apart:
+                "It acts only where the sole slides. A run in which the foot is pushed sideways tells it; \
+                         without sliding nothing does."
+                    .to_owned(),
+            cure: "Clean the ground, use another sole, or correct the friction of the scenario's [ground]."
+                .to_owned(),
             passive: true,
             becomes: None,
         }

@@ -45,6 +45,18 @@ impl LegEffect for JointStop {
                 with_neutral(magnitude("stiffness_ratio", "", 0.5, 1e-2, 100.0), 1.0),
                 with_neutral(magnitude("damping_ratio", "", 1.0, 1e-2, 100.0), 1.0),
             ],
+            symbols:
+                "s: stiffness_ratio; s_d: damping_ratio; k, d: the scenario's stop; q, q_l: joint angle and \
+                      limit"
+                    .to_owned(),
+            told_apart:
+                "It acts only near the joint's limit. The contact of the foot acts at touch-down, whatever \
+                         the angle."
+                    .to_owned(),
+            cure:
+                "Correct the limit in the URDF or the scenario's [stops], or move the cable or cover that is \
+                   in the way."
+                    .to_owned(),
             passive: true,
             becomes: None,
         }

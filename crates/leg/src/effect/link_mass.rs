@@ -46,6 +46,12 @@ impl LegEffect for LinkMass {
                 with_starts(shift("shift_x_m"), [0.03]),
                 with_starts(shift("shift_z_m"), [0.05]),
             ],
+            symbols: "m: the link's mass; dm: mass; dx, dz: shift_x, shift_z".to_owned(),
+            told_apart:
+                "The missing torque follows the pose as gravity does, at rest as well. Friction depends on \
+                         the direction of motion, an offset on nothing."
+                    .to_owned(),
+            cure: "Weigh the link with its cables and covers, and correct the URDF.".to_owned(),
             passive: true,
             becomes: None,
         }

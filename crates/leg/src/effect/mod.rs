@@ -14,12 +14,14 @@ mod joint_stop;
 mod link_mass;
 mod output_friction;
 mod placed;
+mod signature;
 mod spring_setting;
 
 pub use at_actuator::NOT_ON_A_LEG;
 pub(crate) use placed::{
     EffectRef, Placed, at_place, candidates, of_scenario, own_effects, with_effects_of_actuators,
 };
+pub use signature::law_graph;
 
 use crate::dynamics::stop::JointStopChange;
 use crate::robot::Robot;

@@ -31,6 +31,12 @@ impl LegEffect for OutputFriction {
             validity: "Opposes the joint's motion, beside the friction that the URDF states.".to_owned(),
             reference: "C. A. Coulomb 1785; dissertation section 3-4-5".to_owned(),
             parameters: vec![with_starts(torque, [5.0])],
+            symbols: "T_c: torque; q': joint speed".to_owned(),
+            told_apart:
+                "It loads every actuator of the joint, in both of its directions. Coulomb friction of one \
+                         actuator loads that one, and lies before its spring."
+                    .to_owned(),
+            cure: "Better bearings or seals, and feedforward by the joint's speed.".to_owned(),
             passive: true,
             becomes: None,
         }

@@ -54,6 +54,14 @@ impl LegEffect for SpringSetting {
             validity,
             reference: "Dissertation sections 2-4 and 2-5: settings of the beams".to_owned(),
             parameters: vec![with_neutral(with_starts(ratio, rest.iter().copied()), 1.0)],
+            symbols: "s: stiffness_ratio; k: nominal stiffness; delta: deflection".to_owned(),
+            told_apart:
+                "A load at rest is enough: force over deflection is off by the ratio of two settings, not by \
+                         a few per cent. A hardening spring is right at small deflections."
+                    .to_owned(),
+            cure:
+                "Read the clamp's position and clamp again, or correct the spring's setting in the scenario."
+                    .to_owned(),
             passive: true,
             becomes: None,
         }

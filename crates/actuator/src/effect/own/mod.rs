@@ -11,6 +11,8 @@
 //! v0 = { fixed = 1e-3 }
 //! ```
 //!
+//! `summary`, `told-apart` and `cure` are texts for the effect's card, and may be left out.
+//!
 //! What the law gives, and of what (SI; for a rotary actuator N m and rad stand for N and m):
 //!
 //! | `acts-on` | the law is | variables |
@@ -84,6 +86,8 @@ struct File {
     #[serde(default)]
     parameters: BTreeMap<String, ParameterFile>,
     summary: Option<String>,
+    told_apart: Option<String>,
+    cure: Option<String>,
 }
 
 #[derive(Debug, Clone, Deserialize)]
@@ -103,6 +107,8 @@ struct ParameterFile {
 pub struct OwnEffect {
     id: String,
     summary: String,
+    told_apart: String,
+    cure: String,
     place: Place,
     law: String,
     expression: Expression,
@@ -184,6 +190,10 @@ impl OwnEffect {
         let mut own = Self {
             id: file.id,
             summary: file.summary.unwrap_or_else(|| "An effect of the user's own.".to_owned()),
+            told_apart: file
+                .told_apart
+                .unwrap_or_else(|| "By its own law; the file's `told-apart` says more.".to_owned()),
+            cure: file.cure.unwrap_or_else(|| "Known to its author; the file's `cure` says it.".to_owned()),
             place: file.acts_on,
             law: file.law,
             expression,
@@ -357,6 +367,9 @@ impl Effect for OwnEffect {
             equation: self.law.clone(),
             validity: "The user's own law, applied as a smooth force: it does not hold at rest.".to_owned(),
             reference: self.origin.clone(),
+            symbols: format!("variables: {}", self.place.variables().join(", ")),
+            told_apart: self.told_apart.clone(),
+            cure: self.cure.clone(),
             parameters: self.parameters.clone(),
             passive: false,
             becomes: None,

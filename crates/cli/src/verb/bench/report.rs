@@ -21,9 +21,9 @@ pub fn html(done: &BenchRun) -> anyhow::Result<String> {
     let spec = done.model.spec();
     page.subtitle(&format!("{}; spring {}", spec.description, spec.spring.setting()));
     if done.prediction.events.is_empty() {
-        page.verdict(Tone::Good, "No limit of the spring or of the actuator's rating was passed.", "");
+        page.verdict(Tone::Good, "No limit of the spring or of the actuator's rating was exceeded.", "");
     } else {
-        page.verdict(Tone::Caution, "Limits were passed.", &done.prediction.events.join("; "));
+        page.verdict(Tone::Caution, "Limits were exceeded.", &done.prediction.events.join("; "));
     }
     let signals: Vec<&Signal> = done.record.inputs.iter().chain(&done.outputs).collect();
     let unit = |s: &Signal| Unit::of_channel(&s.channel).map(Unit::symbol).unwrap_or_default();
