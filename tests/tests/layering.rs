@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// What each crate of the project may depend on within the project.
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 11] = [
     ("sealegs-model", &[]),
     ("sealegs-actuator", &["sealegs-model"]),
     // Parameters, geometry, scenarios and command profiles only: its integration is its own.
@@ -39,16 +39,18 @@ const ARROWS: [(&str, &[&str]); 10] = [
             "sealegs-export",
         ],
     ),
+    ("sealegs-py", &["sealegs", "sealegs-cli"]),
 ];
 
 /// Libraries that only one crate may know.
-const OWNED: [(&str, &str); 6] = [
+const OWNED: [(&str, &str); 7] = [
     ("rerun", "sealegs-recorder"),
     ("rapier3d-f64", "sealegs-leg"),
     ("parry3d-f64", "sealegs-leg"),
     ("parquet", "sealegs-logs"),
     ("mcap", "sealegs-logs"),
     ("anyhow", "sealegs-cli"),
+    ("pyo3", "sealegs-py"),
 ];
 
 /// Direct dependencies (not those of tests) of every crate of the workspace.
