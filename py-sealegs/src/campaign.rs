@@ -6,12 +6,19 @@ use pyo3::types::{PyDict, PyDictMethods};
 use pyo3::{Bound, PyResult, Python, pyclass, pymethods};
 use sealegs::model::InputHold;
 use sealegs::sysid::Run;
+use sealegs::sysid::campaign::RigValues;
 use sealegs::{Bench, Role, RunColumns};
 use std::path::PathBuf;
 
-/// A run as Python gives it: name, role, scenario, columns, and the times between which its rows count.
-type GivenRun<'py> =
-    (String, String, Option<String>, Vec<(String, PyReadonlyArray1<'py, f64>)>, (Option<f64>, Option<f64>));
+/// A run as Python gives it: name, role, scenario, its rig's numbers, columns, and the times between which its rows count.
+type GivenRun<'py> = (
+    String,
+    String,
+    Option<String>,
+    Vec<(String, f64)>,
+    Vec<(String, PyReadonlyArray1<'py, f64>)>,
+    (Option<f64>, Option<f64>),
+);
 
 /// Recorded runs with what they were recorded on.
 #[pyclass(frozen, module = "sealegs._core")]
@@ -33,6 +40,7 @@ impl Campaign {
     #[pyo3(signature = (name, bench, model, runs, noise_std, inputs, hold, sample_rate_hz))]
     #[allow(clippy::too_many_arguments, reason = "the Python package names them")]
     fn build(
+        py: Python<'_>,
         name: &str,
         bench: &str,
         model: &str,
@@ -53,7 +61,7 @@ impl Campaign {
         if let Some(rate) = sample_rate_hz {
             builder = builder.sample_rate_hz(rate);
         }
-        for (name, role, scenario, columns, (from_s, to_s)) in runs {
+        for (name, role, scenario, rig, columns, (from_s, to_s)) in runs {
             let role = match role.as_str() {
                 "fit" => Role::Fit,
                 "holdout" => Role::Holdout,
@@ -61,10 +69,9 @@ impl Campaign {
                     return Err(bad_input(format!("{name}: unknown role '{other}' (known: fit, holdout)")));
                 }
             };
-            let columns = columns
-                .into_iter()
-                .map(|(channel, values)| (channel, values.as_array().iter().copied().collect::<Vec<f64>>()));
-            let mut run = RunColumns::new(name, role, columns);
+            let rig = rig_of(&rig, bench).map_err(|problem| bad_input(format!("{name}: {problem}")))?;
+            let columns = columns.iter().map(|(channel, values)| (channel, values_of(values)));
+            let mut run = RunColumns::new(name, role, columns).rig(rig);
             if let Some(scenario) = scenario {
                 run = run.scenario(scenario);
             }
@@ -76,7 +83,8 @@ impl Campaign {
             }
             builder = builder.run(run);
         }
-        Ok(Self { inner: builder.build().map_err(|e| raised(e.into()))? })
+        let inner = py.detach(|| builder.build());
+        Ok(Self { inner: inner.map_err(|e| raised(e.into()))? })
     }
 
     #[getter]
@@ -89,10 +97,11 @@ impl Campaign {
         self.inner.bench.as_str()
     }
 
-    /// The actuator that the campaign names; for a leg its scenario.
+    /// The actuator that the campaign names; for a leg its scenario, for a robot its URDF.
     #[getter]
     fn model(&self) -> &str {
-        self.inner.scenario.as_deref().unwrap_or(&self.inner.actuator)
+        let Self { inner } = self;
+        inner.scenario.as_ref().or(inner.robot.as_ref()).unwrap_or(&inner.actuator)
     }
 
     #[getter]
@@ -136,13 +145,27 @@ pub fn array<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f64>> 
     values.to_vec().into_pyarray(py)
 }
 
-fn bench_of(name: &str) -> PyResult<Bench> {
-    match name {
-        "locked" => Ok(Bench::Locked),
-        "pendulum" => Ok(Bench::Pendulum),
-        "leg" => Ok(Bench::Leg),
-        other => Err(bad_input(format!("unknown bench '{other}' (known: locked, pendulum, leg)"))),
+/// The values of an array of Python's.
+pub fn values_of(array: &PyReadonlyArray1<'_, f64>) -> Vec<f64> {
+    array.as_array().iter().copied().collect()
+}
+
+/// A bench by the name that it has in files.
+pub fn bench_of(name: &str) -> PyResult<Bench> {
+    let known = [Bench::Locked, Bench::Pendulum, Bench::Free, Bench::Robot, Bench::Leg];
+    known.into_iter().find(|bench| bench.as_str() == name).ok_or_else(|| {
+        let names = known.map(Bench::as_str).join(", ");
+        bad_input(format!("unknown bench '{name}' (known: {names})"))
+    })
+}
+
+/// A rig's numbers by their keys in files; the error says what is wrong with which.
+pub fn rig_of(numbers: &[(String, f64)], bench: Bench) -> Result<RigValues, String> {
+    let mut rig = RigValues::default();
+    for (key, number) in numbers {
+        rig.set(key, *number, bench).map_err(|problem| format!("'{key}' {problem}"))?;
     }
+    Ok(rig)
 }
 
 /// What a command does between its samples.

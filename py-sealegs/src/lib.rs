@@ -25,7 +25,7 @@ mod _core {
 
     /// Runs the program `sealegs` with these arguments, the program's name first; returns its exit status.
     #[pyo3::pyfunction]
-    fn main(py: pyo3::Python<'_>, arguments: Vec<String>) -> u8 {
+    fn main(py: pyo3::Python<'_>, arguments: Vec<std::ffi::OsString>) -> u8 {
         py.detach(|| sealegs_cli::run_with(arguments))
     }
 

@@ -37,18 +37,20 @@ pub fn compare(
 
 /// Which effect the model lacks.
 #[pyfunction]
-#[pyo3(signature = (campaign, model, model_json, own_effects, tell))]
+#[pyo3(signature = (campaign, model, model_json, own_effects, force, tell))]
 pub fn diagnose(
     py: Python<'_>,
     campaign: &Campaign,
     model: Option<String>,
     model_json: Option<&str>,
     own_effects: Vec<PathBuf>,
+    force: bool,
     tell: Option<Py<PyAny>>,
 ) -> PyResult<Diagnosis> {
     let model = source(&campaign.inner, model, model_json)?;
     let inner = watched(py, tell.as_ref(), |options| {
-        sealegs::diagnose(&campaign.inner, given(options, model, own_effects, "sealegs.diagnose"))
+        let options = given(options, model, own_effects, "sealegs.diagnose").force(force);
+        sealegs::diagnose(&campaign.inner, options)
     })?;
     Ok(Diagnosis { inner })
 }

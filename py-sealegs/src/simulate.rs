@@ -1,6 +1,6 @@
 //! Simulated runs as arrays.
 
-use crate::campaign::{array, hold_of};
+use crate::campaign::{array, bench_of, hold_of, rig_of, values_of};
 use crate::error::{bad_input, raised};
 use crate::models::{actuator_of, scenario_of};
 use crate::work::watched;
@@ -8,11 +8,12 @@ use numpy::PyReadonlyArray1;
 use pyo3::types::{PyDict, PyDictMethods};
 use pyo3::{Bound, PyResult, Python, pyfunction};
 use sealegs::actuator::ActuatorSpec;
-use sealegs::actuator::bench::{Bench, PendulumRig};
-use sealegs::leg::{LegError, simulation};
+use sealegs::leg::LegError;
+use sealegs::leg::simulation::{Event, LegDescription, Observer, Sample};
+use sealegs::leg_scene::LegRecorder;
 use sealegs::model::Signal;
 use sealegs::recorder::recording::Output;
-use sealegs::{BenchBuilder, Scenario, leg_scene};
+use sealegs::{Bench, BenchBuilder, Scenario, Stop, bench_model};
 use std::path::PathBuf;
 
 /// The channels of a run.
@@ -25,26 +26,30 @@ fn channels<'py>(py: Python<'py>, time_s: &[f64], signals: &[Signal]) -> PyResul
     Ok(channels)
 }
 
-/// Ends a run from outside.
-struct Stoppable {
+/// Keeps a run's channels, records it where that is asked for, and lets it be ended from outside.
+struct Watcher {
     channels: sealegs::leg::Channels,
-    stop: sealegs::Stop,
+    recorder: Option<LegRecorder>,
+    stop: Stop,
 }
 
-impl simulation::Observer for Stoppable {
-    fn start(&mut self, leg: &simulation::LegDescription) -> Result<(), LegError> {
-        self.channels.start(leg)
+impl Observer for Watcher {
+    fn start(&mut self, leg: &LegDescription) -> Result<(), LegError> {
+        self.channels.start(leg)?;
+        self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.start(leg))
     }
 
-    fn sample(&mut self, sample: &simulation::Sample) -> Result<(), LegError> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), LegError> {
         if self.stop.is_stopped() {
             return Err(LegError::Observer("stopped".to_owned()));
         }
-        self.channels.sample(sample)
+        self.channels.sample(sample)?;
+        self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.sample(sample))
     }
 
-    fn event(&mut self, _event: &simulation::Event) -> Result<(), LegError> {
-        Ok(())
+    fn event(&mut self, event: &Event) -> Result<(), LegError> {
+        self.channels.event(event)?;
+        self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.event(event))
     }
 }
 
@@ -64,13 +69,15 @@ pub fn simulate_leg<'py>(
         (None, None) => return Err(bad_input("no scenario was named")),
     };
     let (recorded, result) = watched(py, None, |options| {
-        if let Some(path) = recording {
-            leg_scene::record(&scenario, Output::File(path))?;
+        let document = toml::to_string_pretty(&scenario).unwrap_or_default();
+        let recorder = recording.map(|path| LegRecorder::new(Output::File(path), document));
+        let stop = options.stop_handle();
+        let mut watcher = Watcher { channels: sealegs::leg::Channels::default(), recorder, stop };
+        let result = sealegs::leg::run(&scenario, &mut watcher)?;
+        if let Some(recorder) = watcher.recorder {
+            recorder.end(result.stopped.as_deref())?;
         }
-        let channels = sealegs::leg::Channels::default();
-        let mut observer = Stoppable { channels, stop: options.stop_handle() };
-        let result = sealegs::leg::run(&scenario, &mut observer)?;
-        Ok((observer.channels, result))
+        Ok((watcher.channels, result))
     })?;
     let channels = channels(py, &recorded.time_s, &recorded.signals)?;
     Ok((channels, serde_json::to_string(&result).map_err(bad_input)?))
@@ -78,13 +85,14 @@ pub fn simulate_leg<'py>(
 
 /// Runs an actuator on a bench: its channels with the command, and remarks on limits.
 #[pyfunction]
-#[pyo3(signature = (actuator, actuator_json, bench, channel, time_s, command, spring, hold, step_s))]
+#[pyo3(signature = (actuator, actuator_json, bench, rig, channel, time_s, command, spring, hold, step_s))]
 #[allow(clippy::too_many_arguments, reason = "the Python package names them")]
 pub fn simulate_bench<'py>(
     py: Python<'py>,
     actuator: Option<&str>,
     actuator_json: Option<&str>,
     bench: &str,
+    rig: Vec<(String, f64)>,
     channel: &str,
     time_s: PyReadonlyArray1<'_, f64>,
     command: PyReadonlyArray1<'_, f64>,
@@ -97,11 +105,17 @@ pub fn simulate_bench<'py>(
         (Some(name), None) => ActuatorSpec::load(name, None).map_err(|e| raised(e.into()))?,
         (None, None) => return Err(bad_input("no actuator was named")),
     };
-    let bench = match bench {
-        "locked" => Bench::Locked,
-        "pendulum" => Bench::Pendulum(PendulumRig::default()),
-        other => return Err(bad_input(format!("unknown bench '{other}' (known: locked, pendulum)"))),
+    let bench = match bench_of(bench)? {
+        Bench::Leg | Bench::Robot => {
+            return Err(bad_input(format!(
+                "bench '{bench}' has no actuator of its own (known: locked, pendulum, free)"
+            )));
+        }
+        bench => bench,
     };
+    let rig = rig_of(&rig, bench).map_err(bad_input)?;
+    let bench = bench_model::bench_of(bench, &rig, &spec)
+        .map_err(|wrong| bad_input(format!("'{}' {}", wrong.key, wrong.problem)))?;
     let mut builder = BenchBuilder::of_spec(spec, bench).hold(hold_of(hold)?);
     if let Some(setting) = spring {
         builder = builder.spring(setting).map_err(raised)?;
@@ -109,8 +123,7 @@ pub fn simulate_bench<'py>(
     if let Some(step_s) = step_s {
         builder = builder.step_s(step_s);
     }
-    let values = |column: &PyReadonlyArray1<'_, f64>| column.as_array().iter().copied().collect::<Vec<f64>>();
-    let (time_s, command) = (values(&time_s), values(&command));
+    let (time_s, command) = (values_of(&time_s), values_of(&command));
     let run = watched(py, None, |_| builder.run(channel, time_s, command))?;
     let signals: Vec<Signal> = run.record.inputs.iter().chain(&run.prediction.outputs).cloned().collect();
     Ok((channels(py, &run.record.time_s, &signals)?, run.prediction.events))

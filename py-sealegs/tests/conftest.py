@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
-
 import sealegs
+import tomllib
 
 CAMPAIGNS = Path(__file__).parents[2] / "assets" / "campaigns"
 BENCH = CAMPAIGNS / "bench-knee"

@@ -6,7 +6,6 @@ import numpy as np
 import pandas
 import polars
 import pytest
-
 import sealegs
 from conftest import built
 
@@ -61,6 +60,41 @@ def test_bad_input_is_named_by_run_row_and_column(description, tables):
         built(description, {"fit": {"a": {"force_1_n": np.zeros((3, 2))}}, "holdout": {}})
 
 
+def test_the_numbers_of_a_rig_reach_its_model():
+    time_s = np.arange(0, 2, 2e-3)
+    masses_kg = {"light": 2.0, "heavy": 20.0}
+    runs = {
+        name: sealegs.simulate_bench(
+            "rigid-linear",
+            bench="free",
+            rig={"mass_kg": mass_kg},
+            time_s=time_s,
+            motor_force_n=100 * np.sin(9 * time_s),
+        ).frame("polars")
+        for name, mass_kg in masses_kg.items()
+    }
+
+    def error(**rigs) -> float:
+        campaign = sealegs.Campaign.from_frames(
+            "slide", bench="free", model="rigid-linear", fit=runs, noise_std={"position_m": 1e-6}, **rigs
+        )
+        return sealegs.compare(campaign, as_is=True, progress=False).given.fit_error
+
+    # The model's own runs, to the rounding of the start that a parabola through the first rows gives.
+    own = error(rigs={name: {"mass_kg": mass_kg} for name, mass_kg in masses_kg.items()})
+    wrong = error(rig={"mass_kg": 2.0})
+    assert wrong > 100 * own, (own, wrong)
+    with pytest.raises(sealegs.InputError, match="'length_m' is for the bench pendulum, not for 'free'"):
+        error(rig={"length_m": 1.0})
+    with pytest.raises(sealegs.InputError, match="rigs names a run 'lihgt'; there is light, heavy"):
+        error(rigs={"lihgt": {"mass_kg": 2.0}})
+
+
+def test_a_table_that_names_no_columns_is_refused(description):
+    with pytest.raises(TypeError, match="holds no named columns"):
+        built(description, {"fit": {"a": [1, 2, 3]}, "holdout": {}})
+
+
 def test_a_file_with_an_error_is_an_input_error(tmp_path):
     (tmp_path / "campaign.toml").write_text('bench = "lockt"\nactuator = "thor-linear"\n')
     with pytest.raises(sealegs.InputError, match="campaign.toml, line 1.*did you mean 'locked'"):
@@ -71,3 +105,5 @@ def test_frames_come_back(read):
     run = next(iter(read.runs))
     assert read.frame(run, "pandas").columns[0] == "time_s"
     assert read.frame(run, "polars").shape == (len(read.columns(run)["time_s"]), len(read.columns(run)))
+    with pytest.raises(ValueError, match="'dask' is no library of frames"):
+        read.frame(run, "dask")

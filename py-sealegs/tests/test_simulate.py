@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 import sealegs
 
 
@@ -41,6 +40,38 @@ def test_a_locked_bench_carries_the_motors_force_at_rest():
         sealegs.simulate_bench("thor-linear", time_s=time_s, current_a=[1, 2, 3])
     with pytest.raises(TypeError, match="give one command"):
         sealegs.simulate_bench("thor-linear", time_s=time_s)
+
+
+def test_analytic_a_free_mass_obeys_newton():
+    time_s = np.arange(0, 1, 1e-3)
+    force_n = 20 * np.sin(2 * np.pi * time_s)
+    drive = sealegs.actuator("rigid-linear")
+    # Without a transmission the rotor is a mass (kg) and its damping acts on the load (N s/m).
+    rotor_kg, damping_n_s_m = 0.01, 1e-3
+    drive.motor.update(rotor_inertia_kg_m2=rotor_kg, rotor_damping_nm_s=damping_n_s_m)
+    for mass_kg in (2.0, 5.0):
+        run = sealegs.simulate_bench(
+            drive, bench="free", rig={"mass_kg": mass_kg}, time_s=time_s, motor_force_n=force_n, hold="linear"
+        )
+        w = 2 * np.pi
+        # m x'' = F from rest; what the damping takes in this second, b t / m = 5e-4 of the speed, is in the tolerance.
+        position_m = 20 / ((mass_kg + rotor_kg) * w) * (time_s - np.sin(w * time_s) / w)
+        assert run["position_m"] == pytest.approx(position_m, rel=1e-3, abs=1e-6)
+    with pytest.raises(sealegs.InputError, match="'mass_kg' is for the bench pendulum or free, not for 'locked'"):
+        sealegs.simulate_bench("thor-linear", rig={"mass_kg": 1.0}, time_s=time_s, motor_force_n=force_n)
+    with pytest.raises(sealegs.InputError, match="behind a spring the output must have a mass"):
+        sealegs.simulate_bench("thor-linear", bench="free", time_s=time_s, motor_force_n=force_n)
+
+
+def test_an_unfinished_recording_is_not_left_behind(tmp_path):
+    with pytest.raises(sealegs.SealegsError):
+        sealegs.simulate("thor-drop", {"duration_s": 0.01}, recording=tmp_path / "nowhere" / "drop.rrd")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_value_that_is_no_number_is_refused():
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        sealegs.simulate({**sealegs.scenario("thor-drop"), "duration_s": float("nan")})
 
 
 def test_presets_are_named():

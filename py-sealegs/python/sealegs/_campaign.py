@@ -41,6 +41,8 @@ class Campaign:
         noise_std: Mapping[str, float] | None = None,
         inputs: Iterable[str] = (),
         scenarios: Mapping[str, str] | None = None,
+        rig: Mapping[str, float] | None = None,
+        rigs: Mapping[str, Mapping[str, float]] | None = None,
         span_s: Mapping[str, tuple[float | None, float | None]] | None = None,
         hold: str = "zero-order",
         sample_rate_hz: float | None = None,
@@ -48,29 +50,36 @@ class Campaign:
         """A campaign of tables in memory; no file is written or read.
 
         :param name: its name.
-        :param bench: ``"locked"``, ``"pendulum"`` or ``"leg"``.
-        :param model: the actuator's preset or file, for a leg the scenario's.
+        :param bench: ``"locked"``, ``"pendulum"``, ``"free"``, ``"robot"`` or ``"leg"``.
+        :param model: the actuator's preset or file, for a leg the scenario's, for a robot its URDF or model file.
         :param fit: the runs that are fitted and selected on, by name. Each is a pandas or polars frame, a mapping of
             names to arrays of shape ``(rows,)``, or a structured array, with at least 16 rows: ``time_s`` (s, strictly
-            increasing), one input (``current_a`` in A, ``motor_force_n`` in N or ``motor_torque_nm`` in N m; a bench
-            needs exactly one), and outputs (``force_1_n``, ``motor_angle_rad``, ...). A leg's columns carry their
-            place: ``knee.angle_rad``, ``knee.force_1_n``.
+            increasing), one input (``current_a`` in A, ``motor_force_n`` in N, ``motor_torque_nm`` or
+            ``joint_torque_nm`` in N m, ``voltage_v`` in V, ``position_rad`` in rad; a bench needs exactly one), and
+            outputs (``force_1_n``, ``motor_angle_rad``, ...). Columns of a leg and of a robot carry their place:
+            ``knee.angle_rad``, ``knee.force_1_n``.
         :param holdout: the runs that judge once, at the end.
         :param noise_std: one standard deviation of a channel's noise, in its unit; otherwise it is estimated.
         :param inputs: for a leg, the columns that are commands.
         :param scenarios: for a leg, runs that have another scenario than ``model``.
+        :param rig: the bench's own numbers: of a pendulum ``mass_kg``, ``length_m``, ``rod_mass_kg`` and ``arm_m``, of
+            the bench ``"free"`` ``mass_kg`` or ``inertia_kg_m2`` (kg m^2), of both ``servo_gain`` (a ratio).
+        :param rigs: runs whose numbers differ from ``rig``, by run.
         :param span_s: first and last time stamp of the rows that count, by run, s.
         :param hold: what the command does between samples: ``"zero-order"``, ``"linear"`` or ``"band-limited"``.
         :param sample_rate_hz: the nominal rate; a clock that differs from it is remarked on in :attr:`notes`.
 
         Raises :class:`InputError` naming run, row and column.
         """
+        _known_runs({"scenarios": scenarios, "rigs": rigs, "span_s": span_s}, [*fit, *(holdout or {})])
         runs = []
         for role, tables in (("fit", fit), ("holdout", holdout or {})):
             for run, table in tables.items():
                 columns = list(_frames.columns(table).items())
                 from_s, to_s = (span_s or {}).get(run, (None, None))
-                runs.append((str(run), role, (scenarios or {}).get(run), columns, (from_s, to_s)))
+                numbers = {**(rig or {}), **(rigs or {}).get(run, {})}
+                own = [(key, float(number)) for key, number in numbers.items()]
+                runs.append((str(run), role, (scenarios or {}).get(run), own, columns, (from_s, to_s)))
         noise = [(channel, float(std)) for channel, std in (noise_std or {}).items()]
         return cls(_core.Campaign.build(name, bench, model, runs, noise, list(inputs), hold, sample_rate_hz))
 
@@ -81,12 +90,12 @@ class Campaign:
 
     @property
     def bench(self) -> str:
-        """``"locked"``, ``"pendulum"`` or ``"leg"``."""
+        """``"locked"``, ``"pendulum"``, ``"free"``, ``"robot"`` or ``"leg"``."""
         return self._core.bench
 
     @property
     def model(self) -> str:
-        """The actuator that it names; for a leg the scenario."""
+        """The actuator that it names; for a leg the scenario, for a robot its URDF."""
         return self._core.model
 
     @property
@@ -123,3 +132,12 @@ class Campaign:
             f"<Campaign {self.name!r}: {self.model} on the {self.bench} bench, "
             f"{roles.count('fit')} fit and {roles.count('holdout')} holdout runs>"
         )
+
+
+def _known_runs(said: Mapping[str, Mapping[str, Any] | None], runs: list[str]) -> None:
+    """Refuses what is said of a run that is not there: a slip of the pen would change nothing without a word."""
+    for argument, by_run in said.items():
+        for run in by_run or {}:
+            if run not in runs:
+                there = ", ".join(map(str, runs)) or "none"
+                raise _core.InputError(f"{argument} names a run '{run}'; there is {there}")

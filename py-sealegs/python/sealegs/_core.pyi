@@ -1,7 +1,7 @@
 """The extension module; use the package."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, type_check_only
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,7 @@ class Campaign:
                 str,
                 str,
                 str | None,
+                list[tuple[str, float]],
                 list[tuple[str, NDArray[np.float64]]],
                 tuple[float | None, float | None],
             ]
@@ -46,6 +47,7 @@ class Campaign:
     ) -> Campaign: ...
     def columns(self, run: str) -> _Columns: ...
 
+@type_check_only
 class _Result:
     sentence: str
     def to_json(self) -> str: ...
@@ -67,7 +69,12 @@ def compare(
     tell: _Tell,
 ) -> Comparison: ...
 def diagnose(
-    campaign: Campaign, model: str | None, model_json: str | None, own_effects: list[str], tell: _Tell
+    campaign: Campaign,
+    model: str | None,
+    model_json: str | None,
+    own_effects: list[str],
+    force: bool,
+    tell: _Tell,
 ) -> Diagnosis: ...
 def add(
     effects: list[str],
@@ -89,6 +96,7 @@ def simulate_bench(
     actuator: str | None,
     actuator_json: str | None,
     bench: str,
+    rig: list[tuple[str, float]],
     channel: str,
     time_s: NDArray[np.float64],
     command: NDArray[np.float64],

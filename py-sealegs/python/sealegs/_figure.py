@@ -25,10 +25,11 @@ def of(curves: list[Record], title: str, run: str | None, channels: list[str] | 
     except ImportError:
         raise ImportError("figures need matplotlib: pip install sealegs[notebook]") from None
     shown = _run(curves, run)
-    names = channels or sorted(shown.channels, key=lambda c: -_error(shown.channels[c]))[:SHOWN]
-    unknown = [name for name in names if name not in shown.channels]
+    measured = [name for name, curve in shown.channels.items() if len(curve.measured)]
+    names = channels or sorted(measured, key=lambda name: -_error(shown.channels[name]))[:SHOWN]
+    unknown = [name for name in names if name not in measured]
     if unknown:
-        raise KeyError(f"no channel {', '.join(unknown)}; the run has {', '.join(shown.channels)}")
+        raise KeyError(f"no channel {', '.join(unknown)}; the run has {', '.join(measured)}")
     figure = ShownFigure(figsize=(10, 1 + 2.2 * len(names)), layout="constrained")
     axes = figure.subplots(len(names), 2, sharex=True, squeeze=False)
     for (left, right), name in zip(axes, names):
@@ -54,10 +55,10 @@ def _models(curve: Record) -> list[tuple[Any, str, str]]:
 
 def _error(curve: Record) -> float:
     """Root mean square residual before, as a share of the channel's own variation."""
-    if curve.before is None:
+    if curve.before is None or not len(curve.measured):
         return 0.0
-    size = float(np.std(curve.measured)) or 1.0
-    return float(np.sqrt(np.mean((curve.measured - curve.before) ** 2))) / size
+    size = float(np.nanstd(curve.measured)) or 1.0
+    return float(np.sqrt(np.nanmean((curve.measured - curve.before) ** 2))) / size
 
 
 def _run(curves: list[Record], part: str | None) -> Record:

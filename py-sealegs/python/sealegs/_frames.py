@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+#: Libraries whose frames come and go.
+KNOWN = ("pandas", "polars")
 
 
 def columns(frame: Any) -> dict[str, NDArray[np.float64]]:
@@ -40,15 +44,13 @@ def _floats(name: str, values: Any) -> NDArray[np.float64]:
 
 def frame(data: dict[str, NDArray[np.float64]], library: str | None = None) -> Any:
     """A frame of these columns: of ``library`` (``"pandas"`` or ``"polars"``), else of the one in use or installed."""
-    for name in [library] if library else _libraries():
+    if library not in (None, *KNOWN):
+        raise ValueError(f"'{library}' is no library of frames that is known here: {', '.join(KNOWN)}")
+    # The one that the caller has imported goes first.
+    for name in [library] if library else sorted(KNOWN, key=lambda name: name not in sys.modules):
         try:
-            module = __import__(name)
+            module = importlib.import_module(name)
         except ImportError:
             continue
         return module.DataFrame(data)
-    raise ImportError(f"{library or 'neither pandas nor polars'} is not installed" if library else "no pandas, no polars")
-
-
-def _libraries() -> list[str]:
-    known = ["pandas", "polars"]
-    return sorted(known, key=lambda name: name not in sys.modules)
+    raise ImportError(f"{library or 'pandas or polars'} is needed for a frame, and is not installed")

@@ -35,7 +35,7 @@ def split(model: Model | None) -> tuple[str | None, str | None]:
     if model is None:
         return None, None
     if isinstance(model, Mapping):
-        return None, json.dumps(model, default=_plain)
+        return None, json.dumps(model, default=_plain, allow_nan=False)
     return os.fspath(model), None
 
 

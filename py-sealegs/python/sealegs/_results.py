@@ -1,4 +1,4 @@
-"""Comparison, diagnosis and addition: objects with the attributes of the program's JSON, which a notebook shows as a report."""
+"""Comparison, diagnosis and addition, with the keys of their JSON as attributes; a notebook shows the report."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from . import _core, _figure, _models, _progress
+from . import _core, _figure, _files, _models, _progress
 from ._campaign import Campaign
 from ._record import Record, parsed
 
@@ -28,6 +28,7 @@ class Result(Generic[Core]):
         self._json = parsed(core.to_json())
 
     def __getattr__(self, name: str) -> Any:
+        # Copying and unpickling look for names before there is a result to look into.
         if name.startswith("_"):
             raise AttributeError(name)
         return getattr(self._json, name)
@@ -57,16 +58,21 @@ class Result(Generic[Core]):
         return self._core.to_html()
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the report (``.html``), the numbers (``.json``), the text (``.txt``) or a Rerun recording (``.rrd``)."""
+        """Writes the report (``.html``), the numbers (``.json``), the text (``.txt``) or a Rerun recording (``.rrd``).
+
+        The file is whole or not there. Raises :class:`InputError` for another ending.
+        """
         ending = os.path.splitext(os.fspath(path))[1]
-        if ending == ".rrd":
-            self._core.write_recording(os.fspath(path))
-            return
         texts = {".html": self.to_html, ".json": self.to_json, ".txt": self.to_text}
-        if ending not in texts:
+        if ending == ".rrd":
+            with _files.whole(path) as part:
+                self._core.write_recording(part)
+        elif ending in texts:
+            text = texts[ending]()
+            with _files.whole(path) as part, open(part, "w", encoding="utf-8") as file:
+                file.write(text)
+        else:
             raise _core.InputError(f"{path}: the ending must be .rrd, {', '.join(texts)}")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(texts[ending]())
 
     def curves(self) -> list[Record]:
         """Every run with its ``name``, ``time_s`` (s, shape ``(rows,)``) and ``channels``: by name their ``unit`` and
@@ -94,14 +100,26 @@ class Result(Generic[Core]):
 
 
 class Comparison(Result[_core.Comparison]):
-    """Where a model fails on a campaign, and by how much: ``given``, ``base``, ``channels``, ``worst``, ``structure``."""
+    """Where a model fails on a campaign, and by how much.
+
+    ``given`` and ``base`` have the errors as given and refitted, in units of the noise; ``channels``, ``worst`` and
+    ``structure`` say where they are.
+    """
 
 
 class Diagnosis(Result[_core.Diagnosis]):
-    """Which effect a model lacks: ``verdict``, ``effects``, ``indistinguishable``, ``base``, ``after``, ``ranking``."""
+    """Which effect a model lacks.
+
+    ``verdict`` and ``effects`` answer; ``base`` and ``after`` have errors (in units of the noise) and parameters
+    without and with the effects; ``indistinguishable``, ``ladder``, ``missing_signals``, ``ranking`` and
+    ``next_experiment`` say how sure that is.
+    """
 
     def plan(self, folder: str | os.PathLike[str] = ".") -> str | None:
-        """The next experiment as the text of a file that will lie in ``folder``: an input's CSV, or a leg's scenario."""
+        """The next experiment as the text of a file that will lie in ``folder``; ``None`` where none is proposed.
+
+        It is the CSV of an input (``time_s`` and the command's column), or a leg's scenario.
+        """
         return _core.plan(self._core, os.fspath(folder))
 
 
@@ -145,15 +163,20 @@ def diagnose(
     model: _models.Model | None = None,
     *,
     own_effects: Iterable[str | os.PathLike[str]] = (),
+    force: bool = False,
     progress: _progress.Progress = True,
 ) -> Diagnosis:
     """Finds the physical effect that a model lacks, or says that none is missing or none is known.
 
-    The campaign needs fit and holdout runs. A bench takes seconds to minutes, a leg minutes; arguments are those of
-    :func:`compare`. Ctrl-C stops it. Raises :class:`InputError` or :class:`SimulationError`.
+    The campaign needs fit and holdout runs. A bench takes seconds to minutes, a leg minutes. Ctrl-C stops it.
+
+    :param force: begin although a column is not what its name says (a flipped sign, degrees for radians), which is an
+        :class:`InputError` otherwise.
+
+    Other arguments are those of :func:`compare`. Raises :class:`InputError` or :class:`SimulationError`.
     """
     with _progress.telling(progress) as tell:
-        return Diagnosis(_core.diagnose(campaign._core, *_models.split(model), _paths(own_effects), tell))
+        return Diagnosis(_core.diagnose(campaign._core, *_models.split(model), _paths(own_effects), force, tell))
 
 
 def add(
@@ -169,8 +192,8 @@ def add(
     :param effects: ids (``"coulomb-friction"``, ``"knee/coulomb-friction"``, ``"backlash+cogging"``) or files of one's
         own.
 
-    Other arguments are those of :func:`compare`. Ctrl-C stops it. Raises :class:`InputError` for an unknown effect, with
-    those that the model can have, or :class:`SimulationError`.
+    Other arguments are those of :func:`compare`. Ctrl-C stops it. Raises :class:`InputError` for an unknown effect,
+    with those that the model can have, or :class:`SimulationError`.
     """
     ids = [effects] if isinstance(effects, str) else list(effects)
     with _progress.telling(progress) as tell:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core, _frames, _models
+from . import _core, _files, _frames, _models
 from ._record import Record, parsed
 
 
@@ -50,12 +51,12 @@ def simulate(
     :param changes: other values of its keys, dotted: ``{"start.drop_height_m": 0.05}``.
     :param recording: also writes a Rerun recording there.
 
-    Ctrl-C stops it.
+    Ctrl-C stops it. Raises :class:`InputError` naming the key, or :class:`SimulationError`.
     """
     name, json = _models.split(scenario)
     overrides = [f"{key}={_literal(value)}" for key, value in (changes or {}).items()]
-    path = None if recording is None else os.fspath(recording)
-    channels, result = _core.simulate_leg(name, json, overrides, path)
+    with nullcontext() if recording is None else _files.whole(recording) as part:
+        channels, result = _core.simulate_leg(name, json, overrides, part)
     return Run(channels, parsed(result))
 
 
@@ -64,6 +65,7 @@ def simulate_bench(
     *,
     time_s: Any,
     bench: str = "locked",
+    rig: Mapping[str, float] | None = None,
     spring: str | None = None,
     hold: str = "zero-order",
     step_s: float | None = None,
@@ -73,20 +75,26 @@ def simulate_bench(
 
     :param actuator: a preset's name (see :func:`presets`), a file, or a dictionary of :func:`actuator`.
     :param time_s: time stamps, s, shape ``(samples,)``, increasing.
-    :param bench: ``"locked"`` (both links held) or ``"pendulum"`` (the screw turns a lever with a weight).
+    :param bench: ``"locked"`` (both links held), ``"pendulum"`` (the output turns a lever with a weight) or ``"free"``
+        (the output moves a load).
+    :param rig: the bench's own numbers, as in :meth:`Campaign.from_frames`; without them a pendulum has 4 kg at
+        0.300 m on a lever of 0.0725 m.
     :param spring: a setting of the spring, as the actuator takes it (``"compliant"``, ``"80mm"``).
     :param hold: what the command does between samples: ``"zero-order"``, ``"linear"`` or ``"band-limited"``.
     :param step_s: the integrator's greatest step, s.
-    :param command: the command by its channel, shape ``(samples,)``: ``current_a=`` (A), ``motor_force_n=`` (N) or
-        ``motor_torque_nm=`` (N m).
+    :param command: the command by its channel, shape ``(samples,)``: ``current_a=`` (A), ``motor_force_n=`` (N),
+        ``motor_torque_nm=`` (N m), ``voltage_v=`` (V) or ``position_rad=`` (rad), as the actuator takes it.
+
+    Raises :class:`InputError` for an unknown actuator or command, or a column of another length.
     """
     if len(command) != 1:
-        raise TypeError("give one command: current_a=, motor_force_n= or motor_torque_nm=")
+        raise TypeError("give one command: current_a=, motor_force_n=, motor_torque_nm=, voltage_v= or position_rad=")
     ((channel, values),) = command.items()
     given = _frames.columns({"time_s": time_s, channel: values})
+    numbers = [(key, float(number)) for key, number in (rig or {}).items()]
     name, json = _models.split(actuator)
     channels, notes = _core.simulate_bench(
-        name, json, bench, channel, given["time_s"], given[channel], spring, hold, step_s
+        name, json, bench, numbers, channel, given["time_s"], given[channel], spring, hold, step_s
     )
     return Run(channels, Record(notes=notes))
 
@@ -95,4 +103,6 @@ def _literal(value: Any) -> str:
     """A value as TOML writes it."""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return repr(value.item() if hasattr(value, "item") else value) if not isinstance(value, str) else value
+    if isinstance(value, str):
+        return value
+    return repr(value.item() if hasattr(value, "item") else value)
