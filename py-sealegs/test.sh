@@ -7,17 +7,15 @@ here=$(cd "$(dirname "$0")" && pwd)
 target=$(realpath -m "${CARGO_TARGET_DIR:-$here/../target}")
 cd "$here"
 
-place=$(mktemp -d)
-trap 'rm -rf "$place"' EXIT
-python3 -m venv "$place/venv"
-pip="$place/venv/bin/pip"
-"$pip" install --quiet 'maturin>=1.9.4,<2'
+# Always in the same place: the bindings are compiled again for another interpreter.
+venv=$target/wheels/venv
+python3 -m venv --clear "$venv"
+"$venv/bin/pip" install --quiet 'maturin>=1.9.4,<2'
 
-CARGO_TARGET_DIR=$target "$place/venv/bin/maturin" build --release --locked --out "$place/dist"
+rm -f "$target"/wheels/sealegs-*.whl
+CARGO_TARGET_DIR=$target "$venv/bin/maturin" build --release --locked --interpreter "$venv/bin/python" --out "$target/wheels"
 
-wheel=$(ls "$place"/dist/*.whl)
-"$pip" install --quiet "$wheel[test]"
-mkdir -p "$target/wheels"
-cp "$wheel" "$target/wheels/"
-echo "the wheel: $target/wheels/$(basename "$wheel")"
-"$place/venv/bin/python" -m pytest "$@"
+wheel=$(ls "$target"/wheels/sealegs-*.whl)
+"$venv/bin/pip" install --quiet "$wheel[test]"
+echo "the wheel: $wheel"
+"$venv/bin/python" -m pytest "$@"

@@ -1,10 +1,32 @@
 """The extension module; use the package."""
 
 from collections.abc import Callable
-from typing import Any, type_check_only
+from typing import Any, final, type_check_only
 
 import numpy as np
 from numpy.typing import NDArray
+
+__all__ = [
+    "Campaign",
+    "InputError",
+    "SealegsError",
+    "SimulationError",
+    "actuator_model",
+    "preset_names",
+    "scenario_model",
+    "Addition",
+    "Comparison",
+    "Diagnosis",
+    "add",
+    "compare",
+    "diagnose",
+    "model_file",
+    "plan",
+    "simulate_bench",
+    "simulate_leg",
+    "main",
+    "__version__",
+]
 
 __version__: str
 
@@ -15,6 +37,7 @@ class SealegsError(Exception): ...
 class InputError(SealegsError): ...
 class SimulationError(SealegsError): ...
 
+@final
 class Campaign:
     name: str
     bench: str
@@ -56,8 +79,13 @@ class _Result:
     def curves(self) -> list[dict[str, Any]]: ...
     def write_recording(self, path: str) -> None: ...
 
+@final
 class Comparison(_Result): ...
+
+@final
 class Diagnosis(_Result): ...
+
+@final
 class Addition(_Result): ...
 
 def compare(
