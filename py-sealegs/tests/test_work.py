@@ -104,7 +104,7 @@ def test_the_tour_of_the_wheel_goes_once_around_the_loop(tmp_path):
     assert f"missing: **{' + '.join(hidden)}**" in summary
     # What the tour found is a model like any other, for Python, too.
     better = sealegs.scenario(tmp_path / "tour" / "better.toml")
-    assert sealegs.simulate(better, {"duration_s": 0.05}).result.peaks.ground_force_n.value > 0
+    assert sealegs.simulate(better, {"duration_s": 0.3}).result.peaks.ground_force_n.value > 0
 
 
 def test_ctrl_c_stops_the_command_and_leaves_nothing_half_written(tmp_path):
