@@ -1,10 +1,10 @@
 //! The arrows between the crates are the design: this reads what Cargo says of them and fails on any other.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 /// What each crate of the project may depend on within the project.
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 11] = [
     ("sealegs-model", &[]),
     ("sealegs-actuator", &["sealegs-model"]),
     // Parameters, geometry, scenarios and command profiles only: its integration is its own.
@@ -39,47 +39,42 @@ const ARROWS: [(&str, &[&str]); 10] = [
             "sealegs-export",
         ],
     ),
+    ("sealegs-py", &["sealegs", "sealegs-cli"]),
 ];
 
 /// Libraries that only one crate may know.
-const OWNED: [(&str, &str); 6] = [
+const OWNED: [(&str, &str); 7] = [
     ("rerun", "sealegs-recorder"),
     ("rapier3d-f64", "sealegs-leg"),
     ("parry3d-f64", "sealegs-leg"),
     ("parquet", "sealegs-logs"),
     ("mcap", "sealegs-logs"),
     ("anyhow", "sealegs-cli"),
+    ("pyo3", "sealegs-py"),
 ];
+
+/// What `cargo tree` prints with these arguments, one package a line.
+fn tree(arguments: &[&str]) -> Vec<String> {
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--offline", "--prefix", "none"])
+        .args(arguments)
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+        .output()
+        .expect("cargo runs");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "cargo tree {}: {said}", arguments.join(" "));
+    text.lines().filter(|line| !line.is_empty()).map(str::to_owned).collect()
+}
 
 /// Direct dependencies (not those of tests) of every crate of the workspace.
 fn direct_dependencies() -> BTreeMap<String, Vec<String>> {
     ARROWS
         .iter()
         .map(|(name, _)| {
-            let output = Command::new(env!("CARGO"))
-                .args([
-                    "tree",
-                    "--offline",
-                    "--edges",
-                    "normal",
-                    "--depth",
-                    "1",
-                    "--prefix",
-                    "none",
-                    "-p",
-                    name,
-                ])
-                .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-                .output()
-                .expect("cargo runs");
-            let text = String::from_utf8_lossy(&output.stdout);
-            assert!(
-                output.status.success(),
-                "cargo tree -p {name}: {}",
-                String::from_utf8_lossy(&output.stderr)
-            );
-            let names = text.lines().skip(1).filter_map(|line| line.split(' ').next());
-            ((*name).to_owned(), names.filter(|n| !n.is_empty()).map(str::to_owned).collect())
+            let lines = tree(&["--edges", "normal", "--depth", "1", "-p", name]);
+            let names = lines.iter().skip(1).filter_map(|line| line.split(' ').next());
+            ((*name).to_owned(), names.map(str::to_owned).collect())
         })
         .collect()
 }
@@ -102,6 +97,18 @@ fn engine_and_recorder_are_known_to_their_crate_only() {
             assert!(!knows || name == owner, "{name} -> {library}: only {owner} may know it");
         }
     }
+}
+
+#[test]
+fn a_wheel_takes_over_what_the_tests_have_compiled() {
+    let compiled = |arguments: &[&str]| -> BTreeSet<String> {
+        let lines = tree(&[arguments, &["--format", "{p} [{f}]"]].concat());
+        lines.iter().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
+    };
+    let (all, wheel) =
+        (compiled(&["--workspace"]), compiled(&["-p", "sealegs-py", "--edges", "normal,build"]));
+    let again: Vec<&String> = wheel.difference(&all).collect();
+    assert!(again.is_empty(), "py-sealegs/Cargo.toml lacks features of the workspace: {again:#?}");
 }
 
 /// Modules of the actuator in which its motion is computed.

@@ -78,17 +78,35 @@ fn runs_of(campaign: &Campaign, spec: &ActuatorSpec) -> Result<Vec<RunSetup>> {
         if runs.iter().any(|known| known.record == run.record.name) {
             continue;
         }
-        let bench = bench_of(campaign, &run.rig, spec)?;
+        let bench = bench_of(campaign.bench, &run.rig, spec)
+            .map_err(|wrong| campaign.bad_key(wrong.key, wrong.problem))?;
         let gain = run.rig.servo_gain.unwrap_or(1.0);
         runs.push(RunSetup::of_record(&run.record, spec, bench, gain));
     }
     Ok(runs)
 }
 
-/// The bench with a run's masses and lengths.
-fn bench_of(campaign: &Campaign, rig: &RigValues, spec: &ActuatorSpec) -> Result<Bench> {
-    let missing = |key: &str, why: &str| Error::from(campaign.bad_key(key, format!("is missing: {why}")));
-    Ok(match campaign.bench {
+/// A number of a rig that is missing, or that the actuator cannot use.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WrongRig {
+    /// Its key in a campaign file.
+    pub key: &'static str,
+    /// What is wrong, to be read after the key.
+    pub problem: String,
+}
+
+/// The bench of a campaign with a run's masses and lengths, for this actuator.
+///
+/// # Errors
+///
+/// [`WrongRig`] if a number is missing, or is one of the other kind of actuator.
+pub fn bench_of(
+    bench: campaign::Bench,
+    rig: &RigValues,
+    spec: &ActuatorSpec,
+) -> std::result::Result<Bench, WrongRig> {
+    let missing = |key, why: &str| WrongRig { key, problem: format!("is missing: {why}") };
+    Ok(match bench {
         campaign::Bench::Pendulum => {
             let usual = PendulumRig::default();
             let own = rig.length_m.is_some() || rig.mass_kg.is_some() || rig.rod_mass_kg.is_some();
@@ -112,7 +130,8 @@ fn bench_of(campaign: &Campaign, rig: &RigValues, spec: &ActuatorSpec) -> Result
                 Kind::Rotary => (rig.inertia_kg_m2, "inertia_kg_m2", rig.mass_kg.map(|_| "mass_kg")),
             };
             if let Some(other) = other {
-                return Err(campaign.bad_key(other, format!("is given; the actuator takes '{key}'")).into());
+                let problem = format!("is given; the actuator takes '{key}'");
+                return Err(WrongRig { key: other, problem });
             }
             if load.is_none() && !spec.is_rigid() {
                 return Err(missing(key, "behind a spring the output must have a mass"));

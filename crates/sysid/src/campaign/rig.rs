@@ -40,15 +40,38 @@ impl RigValues {
         }
     }
 
-    fn place(&mut self, key: &str) -> &mut Option<f64> {
-        match key {
+    /// Sets the value that a campaign file calls `key`.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong, to be read after the key: there is no such key, the bench has no such number, or the number is out
+    /// of range.
+    pub fn set(&mut self, key: &str, number: f64, bench: Bench) -> Result<(), String> {
+        let place = match key {
             "mass_kg" => &mut self.mass_kg,
             "length_m" => &mut self.length_m,
             "rod_mass_kg" => &mut self.rod_mass_kg,
             "arm_m" => &mut self.arm_m,
             "inertia_kg_m2" => &mut self.inertia_kg_m2,
-            _ => &mut self.servo_gain,
+            "servo_gain" => &mut self.servo_gain,
+            _ => return Err(format!("is no number of a rig (known: {})", RIG_KEYS.join(", "))),
+        };
+        let whose: &[Bench] = match key {
+            "mass_kg" | "servo_gain" => &[Bench::Pendulum, Bench::Free],
+            "inertia_kg_m2" => &[Bench::Free],
+            _ => &[Bench::Pendulum],
+        };
+        if !whose.contains(&bench) {
+            let benches: Vec<&str> = whose.iter().map(|b| b.as_str()).collect();
+            return Err(format!("is for the bench {}, not for '{}'", benches.join(" or "), bench.as_str()));
         }
+        let may_vanish = matches!(key, "mass_kg" | "rod_mass_kg" | "inertia_kg_m2");
+        if !(number.is_finite() && (number > 0.0 || (may_vanish && number == 0.0))) {
+            let admitted = if may_vanish { "zero or positive, and finite" } else { "positive and finite" };
+            return Err(format!("is {number}; must be {admitted}"));
+        }
+        *place = Some(number);
+        Ok(())
     }
 }
 
@@ -75,28 +98,13 @@ fn of_table(path: &Path, text: &str, table: &DeTable, bench: Bench) -> Result<Ri
         }
         let line = 1 + text[..key.span().start].matches('\n').count() as u64;
         let bad = |problem: String| Error::bad(path, line, Some(name), problem);
-        let whose: &[Bench] = match name {
-            "mass_kg" | "servo_gain" => &[Bench::Pendulum, Bench::Free],
-            "inertia_kg_m2" => &[Bench::Free],
-            _ => &[Bench::Pendulum],
-        };
-        if !whose.contains(&bench) {
-            let benches: Vec<&str> = whose.iter().map(|b| b.as_str()).collect();
-            let problem = format!("is for the bench {}, not for '{}'", benches.join(" or "), bench.as_str());
-            return Err(bad(problem));
-        }
         let number = match value.get_ref() {
             DeValue::Float(number) => number.as_str().parse::<f64>().ok(),
             DeValue::Integer(number) => number.as_str().parse::<f64>().ok(),
             _ => None,
         };
         let Some(number) = number else { return Err(bad("is no number".to_owned())) };
-        let may_vanish = matches!(name, "mass_kg" | "rod_mass_kg" | "inertia_kg_m2");
-        if !(number.is_finite() && (number > 0.0 || (may_vanish && number == 0.0))) {
-            let admitted = if may_vanish { "zero or positive, and finite" } else { "positive and finite" };
-            return Err(bad(format!("is {number}; must be {admitted}")));
-        }
-        *values.place(name) = Some(number);
+        values.set(name, number, bench).map_err(bad)?;
     }
     Ok(values)
 }
@@ -116,6 +124,14 @@ mod tests {
             (runs[1].mass_kg, runs[1].length_m, runs[1].servo_gain),
             (Some(1.0), Some(0.2), Some(400.0))
         );
+    }
+
+    #[test]
+    fn a_key_that_no_rig_has_is_refused_with_those_that_it_has() {
+        let mut rig = RigValues::default();
+        let error = rig.set("mass", 1.0, Bench::Pendulum).unwrap_err();
+        assert!(error.contains("mass_kg, length_m"), "{error}");
+        assert_eq!(rig, RigValues::default());
     }
 
     #[test]
