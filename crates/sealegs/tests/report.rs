@@ -77,7 +77,7 @@ fn an_added_effect_is_drawn_over_the_force_that_was_missing() {
         &html,
         &[
             "<section id=\"answer\">",
-            "Added: coulomb friction",
+            "Added: Coulomb friction",
             "Error on the held-out runs after each effect",
             "Figure 1.",
             "law found",
