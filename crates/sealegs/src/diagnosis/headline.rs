@@ -247,7 +247,8 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str) {
             }
             None => {
                 page.side_by_side(&[(&ladder, rungs)]);
-                page.remark("The runs measure no motion that an observer could follow: the missing force is not estimated.");
+                page.remark("No missing force is drawn: the runs measure no motion that an observer could follow, or what is missing depends on \
+                     none of the signals that were tried.");
             }
         }
         let mut cards = vec![("Judged on", judged(o))];

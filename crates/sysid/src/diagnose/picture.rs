@@ -351,9 +351,10 @@ pub fn missing_force(models: &Models, chosen: &Candidate, ports_of_base: &[Port]
     let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
     let given = Missing { runs: a.runs.iter().zip(&b.runs).map(difference).collect(), std: 0.0, ..a.clone() };
     let of_law = dependences(data, &candidate, &given, &[]).first().map(|d| d.on);
-    let of_port =
-        || ports_of_base.iter().find(|p| p.missing.name() == missing.name())?.depends.first().map(|d| d.on);
-    let on = of_law.or_else(of_port)?;
+    let stated = ports_of_base.iter().find(|p| p.missing.name() == missing.name());
+    let of_port = || stated.and_then(|p| p.depends.first()).map(|d| d.on);
+    let of_signal = || dependences(data, &candidate, &missing, &[]).first().map(|d| d.on);
+    let on = of_law.or_else(of_port).or_else(of_signal)?;
     drawn(data, at, &missing, &rows, on, (&y, Some(&law), &run))
 }
 
