@@ -71,13 +71,13 @@ fn a_comparison_says_first_where_the_model_fails_and_what_is_missing_there() {
 
 #[test]
 fn an_added_effect_is_drawn_over_the_force_that_was_missing() {
-    let better = add(&["coulomb-friction".to_owned()], &bench_knee(), Options::new()).unwrap();
+    let better = add(&["spring-hysteresis".to_owned()], &bench_knee(), Options::new()).unwrap();
     let html = better.to_html().unwrap();
     holds(
         &html,
         &[
             "<section id=\"answer\">",
-            "Added: coulomb friction",
+            "Added: spring hysteresis",
             "Error on the held-out runs after each effect",
             "Figure 1.",
             "law found",

@@ -139,7 +139,8 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
                 page.side_by_side(&[(&bars, over_noise)]);
             }
             None => {
-                page.remark("The runs measure no motion that an observer could follow: the missing force is not estimated.");
+                page.remark("No missing force is drawn: the runs measure no motion that an observer could follow, or what is missing depends on \
+                     none of the signals that were tried.");
             }
         }
         let located: Vec<String> = compared.location.worst(SENTENCES).iter().map(|r| r.sentence()).collect();

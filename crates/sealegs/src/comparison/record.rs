@@ -51,7 +51,8 @@ fn name_of(run: &DataRun) -> String {
 fn worst(compared: &Compared) -> Option<(String, String)> {
     let part = compared.parts.last()?;
     let at = part.shown();
-    let worst = at.blocks.iter().max_by(|a, b| stats::rms(&a.residual).total_cmp(&stats::rms(&b.residual)))?;
+    let worst =
+        at.blocks.iter().max_by(|a, b| stats::rms(&a.residual).total_cmp(&stats::rms(&b.residual)))?;
     let run = &part.data.runs[worst.run];
     Some((name_of(run), run.names[worst.slot].clone()))
 }

@@ -17,12 +17,11 @@ const RIVALS: usize = 4;
 /// Ratio of errors from which on a linear axis would hide the smaller ones.
 const WIDE_RATIO: f64 = 20.0;
 
-/// An effect in words with its place: `knee/coulomb-friction` is `coulomb friction at knee`.
+/// An effect in words with its place: `knee/coulomb-friction` is `Coulomb friction at knee`.
 fn in_words(effect: &str) -> String {
-    match effect.rsplit_once('/') {
-        Some((place, effect)) => format!("{} at {place}", effect.replace('-', " ")),
-        None => effect.replace('-', " "),
-    }
+    let (place, effect) = effect.rsplit_once('/').map_or((None, effect), |(place, e)| (Some(place), e));
+    let words = effect.replace('-', " ").replace("coulomb", "Coulomb").replace("stribeck", "Stribeck");
+    place.map_or(words.clone(), |place| format!("{words} at {place}"))
 }
 
 /// What was found, in a few words.
@@ -248,7 +247,8 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str) {
             }
             None => {
                 page.side_by_side(&[(&ladder, rungs)]);
-                page.remark("The runs measure no motion that an observer could follow: the missing force is not estimated.");
+                page.remark("No missing force is drawn: the runs measure no motion that an observer could follow, or what is missing depends on \
+                     none of the signals that were tried.");
             }
         }
         let mut cards = vec![("Judged on", judged(o))];
@@ -364,7 +364,7 @@ mod tests {
         let page = html(&toy());
         let screen = &page[page.find("<section id=\"answer\">").unwrap()..page.find("</section>").unwrap()];
         let order = [
-            "Missing: backlash at knee and coulomb friction at knee",
+            "Missing: backlash at knee and Coulomb friction at knee",
             "80.0 ± 0.4 µm",
             "42.1 ± 0.6 N",
             "Sure",

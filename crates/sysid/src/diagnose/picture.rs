@@ -89,8 +89,10 @@ struct Abscissa {
 }
 
 impl Abscissa {
-    fn of(rows: &Rows, on: &str, angular: bool, command: &str) -> Option<Self> {
-        let (length, speed, force) = if angular { ("rad", "rad/s", "N m") } else { ("m", "m/s", "N") };
+    /// `rotary` says that the actuator turns, `turns` that what moves at the port does.
+    fn of(rows: &Rows, on: &str, (rotary, turns): (bool, bool), command: &str) -> Option<Self> {
+        let (deflection, rate, force) = if rotary { ("rad", "rad/s", "N m") } else { ("m", "m/s", "N") };
+        let (length, speed) = if turns { ("rad", "rad/s") } else { ("m", "m/s") };
         let plain = |over, unit: &str, x: &[f64]| Self {
             over,
             unit: unit.to_owned(),
@@ -115,12 +117,12 @@ impl Abscissa {
                 direction(plain("travelled distance", length, &rows.travelled))
             }
             "rotor angle" => plain("rotor angle within a turn", "rad", &turn),
-            "deflection" => plain("deflection", length, &rows.deflection),
-            "rate of deflection" => plain("rate of deflection", speed, &rows.stretching),
+            "deflection" => plain("deflection", deflection, &rows.deflection),
+            "rate of deflection" => plain("rate of deflection", rate, &rows.stretching),
             "deflection and time" => times(plain("time", "s", &rows.time), "deflection", &rows.deflection),
             "deflection and its history" => Self {
                 growing: Some(rows.stretching.iter().map(|v| *v > 0.0).collect()),
-                ..plain("deflection", length, &rows.deflection)
+                ..plain("deflection", deflection, &rows.deflection)
             },
             "load" => plain("load", force, &rows.load),
             "time" => plain("time", "s", &rows.time),
@@ -145,9 +147,9 @@ impl Abscissa {
     }
 
     /// The ordinate's unit for a signal in this one.
-    fn ordinate(&self, unit: &str, command: &str, angular: bool) -> String {
+    fn ordinate(&self, unit: &str, command: &str, rotary: bool) -> String {
         match self.times {
-            "deflection" => format!("{unit}/{}", if angular { "rad" } else { "m" }),
+            "deflection" => format!("{unit}/{}", if rotary { "rad" } else { "m" }),
             "command" => format!("{unit}/{command}"),
             _ => unit.to_owned(),
         }
@@ -231,11 +233,11 @@ fn bins(rows: &[usize], over: &Abscissa, y: &[f64], law: Option<&[f64]>, run: &[
         .collect()
 }
 
-/// The unit of the commands, and whether a port's quantities turn.
-fn units(data: &Data, at: &Evaluation, missing: &Missing) -> (String, bool) {
+/// The unit of the commands, and whether the actuator turns and what moves at the port does.
+fn units(data: &Data, at: &Evaluation, missing: &Missing) -> (String, (bool, bool)) {
     let input = data.runs.first().and_then(|r| r.record.inputs.first());
     let command = input.and_then(|s| Unit::of_channel(&s.channel).ok()).map_or("", Unit::symbol);
-    (command.to_owned(), is_torque(at, &missing.port))
+    (command.to_owned(), (is_torque(at, "rotor"), is_torque(at, &missing.port)))
 }
 
 /// Every how many samples of a signal are taken, and those samples with their runs.
@@ -280,8 +282,8 @@ fn drawn(
     on: &str,
     (y, law, run): (&[f64], Option<&[f64]>, &[usize]),
 ) -> Option<MissingForce> {
-    let (command, angular) = units(data, at, missing);
-    let mut over = Abscissa::of(rows, on, angular, &command)?;
+    let (command, turning) = units(data, at, missing);
+    let mut over = Abscissa::of(rows, on, turning, &command)?;
     if on == "its own value" {
         over.unit.clone_from(&missing.unit);
     }
@@ -292,7 +294,7 @@ fn drawn(
     });
     branches.iter().any(|b| b.bins.len() > 2).then(|| MissingForce {
         port: missing.name(),
-        unit: over.ordinate(&missing.unit, &command, angular),
+        unit: over.ordinate(&missing.unit, &command, turning.0),
         on: on.to_owned(),
         over: over.over.to_owned(),
         over_unit: over.unit,
@@ -349,9 +351,10 @@ pub fn missing_force(models: &Models, chosen: &Candidate, ports_of_base: &[Port]
     let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
     let given = Missing { runs: a.runs.iter().zip(&b.runs).map(difference).collect(), std: 0.0, ..a.clone() };
     let of_law = dependences(data, &candidate, &given, &[]).first().map(|d| d.on);
-    let of_port =
-        || ports_of_base.iter().find(|p| p.missing.name() == missing.name())?.depends.first().map(|d| d.on);
-    let on = of_law.or_else(of_port)?;
+    let stated = ports_of_base.iter().find(|p| p.missing.name() == missing.name());
+    let of_port = || stated.and_then(|p| p.depends.first()).map(|d| d.on);
+    let of_signal = || dependences(data, &candidate, &missing, &[]).first().map(|d| d.on);
+    let on = of_law.or_else(of_port).or_else(of_signal)?;
     drawn(data, at, &missing, &rows, on, (&y, Some(&law), &run))
 }
 
