@@ -41,6 +41,7 @@ pub struct Outcome {
     pub missing_after: Vec<MissingSignal>,
     /// What is missing at the most important port over what it depends on, with the named effects' law; none where the
     /// runs measure no motion that could be followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub missing_force: Option<ForceSaid>,
     /// Sets by their prediction of left-out stretches, best first.
     pub ranking: Vec<Ranked>,
@@ -168,6 +169,7 @@ pub struct ForceSaid {
     /// Root mean square that the sensors' noise alone would leave, in the port's unit.
     pub noise: f64,
     /// Share of the port's mean square that the named effects give; none where nothing is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub explained_by_law: Option<f64>,
     /// The bins; two branches where it matters whether the abscissa grows or shrinks.
     pub branches: Vec<BranchSaid>,
@@ -185,6 +187,7 @@ pub struct BranchSaid {
     /// One standard error of each.
     pub std: Vec<f64>,
     /// What the named effects give there.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<Vec<f64>>,
 }
 
