@@ -9,7 +9,7 @@ use super::policy::{
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
 use super::{Candidate, Progress};
-use crate::fit::Fit;
+use crate::fit::{EQUAL_COST, Fit};
 use rayon::prelude::*;
 use sealegs_model::EffectCard;
 
@@ -211,7 +211,14 @@ impl Search<'_> {
         let leaders = if models.dear { 1 } else { LEADERS as usize }.min(ranked.len());
         let mut fitted = wave(near, &ranked[..leaders]);
         models.finish_best(&mut fitted);
-        self.choose_again(&mut fitted);
+        let chose = self.choose_again(&mut fitted);
+        // Rivals have the same right to another choice.
+        let each = |all: &mut Vec<Candidate>| {
+            all.par_iter_mut().for_each(|c| *c = models.settled(c.clone()).0);
+        };
+        if chose {
+            each(&mut fitted);
+        }
         // Where derivatives are taken over, those of a set that explains more serve the others better.
         let lead = fitted.first().filter(|lead| models.dear && lead.fit.cost < near.fit.cost);
         let near = lead.cloned().unwrap_or_else(|| near.clone());
@@ -223,6 +230,9 @@ impl Search<'_> {
             rest.truncate(if self.models.dear { FOLLOWERS_DEAR } else { FOLLOWERS } as usize);
         }
         let mut rest = wave(&near, &rest);
+        if chose && settled {
+            each(&mut rest);
+        }
         if !settled {
             models.finish_best(&mut rest);
         }
@@ -232,14 +242,16 @@ impl Search<'_> {
     }
 
     /// Fits the lowest of some sets under the base model's other discrete choices where none explains everything: a choice
-    /// that was made while something was missing leaves what no further effect takes.
-    fn choose_again(&self, fitted: &mut [Candidate]) {
+    /// that was made while something was missing leaves what no further effect takes. Returns whether another one is better.
+    fn choose_again(&self, fitted: &mut [Candidate]) -> bool {
         if self.models.dear || fitted.iter().any(|c| self.models.is_settled(c, &self.tried[0])) {
-            return;
+            return false;
         }
-        if let Some(best) = fitted.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a }) {
-            *best = self.models.settled(best.clone()).0;
-        }
+        let best = fitted.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
+        let Some(best) = best else { return false };
+        let before = best.fit.cost;
+        *best = self.models.settled(best.clone()).0;
+        best.fit.cost < before - EQUAL_COST
     }
 
     /// Fits a set that leaves something again, as [`Models::grown`] from the one that it grew from: what rests at the wrong
@@ -397,11 +409,20 @@ impl Search<'_> {
         equal.sort_by(|&a, &b| {
             order(a).cmp(&order(b)).then(gain(&self.tried[a], &self.tried[b]).total_cmp(&0.0))
         });
-        let chosen = equal.first().copied().unwrap_or(best);
+        let first = equal.first().copied().unwrap_or(best);
+        // Of those that fit equally well the catalogue's order decides: the rest of a digit would.
+        let alike = |i: usize| {
+            order(i) == order(first)
+                && (self.tried[i].fit.cost - self.tried[first].fit.cost).abs() <= EQUAL_COST
+        };
+        let places = |i: usize| -> Vec<Option<usize>> {
+            self.tried[i].effects.iter().map(|e| self.admitted.iter().position(|a| a == e)).collect()
+        };
+        let chosen = equal.iter().copied().filter(|&i| alike(i)).min_by_key(|&i| places(i)).unwrap_or(first);
         let own = &self.tried[chosen].effects;
         let tied = equal
             .into_iter()
-            .skip(1)
+            .filter(|&i| i != chosen)
             .filter(|&i| own.is_empty() || self.tried[i].effects.len() <= own.len())
             .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
             .collect();
