@@ -316,7 +316,7 @@ impl Models<'_> {
         again().unwrap_or(candidate)
     }
 
-    /// The base model with effects, [grown](Self::grown) and fitted to the end. `None` if nothing can be simulated.
+    /// The base model with effects, grown one by one and fitted to the end. `None` if nothing can be simulated.
     #[must_use]
     pub fn with_effects(&self, base: &Candidate, effects: &[String]) -> Option<Candidate> {
         let best = self.grown(base, effects)?;
