@@ -191,7 +191,14 @@ fn search<'a>(
 ) -> (Found, Models<'a>) {
     let admitted = models.exact.effects(&models.seen).into_iter().map(|c| c.id).collect();
     let base_as_searched = first.validation.clone();
-    let mut search = search::Search { models, admitted, tried: vec![first], promises: Vec::new(), progress };
+    let mut search = search::Search {
+        models,
+        admitted,
+        tried: vec![first],
+        promises: Vec::new(),
+        seen: Vec::new(),
+        progress,
+    };
     let best = search.run();
     let (chosen, mut tied) = search.ties(best);
     let search::Search { models, mut tried, promises, .. } = search;

@@ -1,7 +1,7 @@
 //! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the promising ones are
 //! fitted, members leave again, and rivals of each member are tried.
 
-use super::compare::{clearly_better, excess, gain};
+use super::compare::{clearly_better, excess, gain, is_beyond_chance, is_seen};
 use super::policy::{
     AT_FLOOR, EXPLAINED, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR,
     NEEDED_COST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, TIED_COST,
@@ -31,6 +31,8 @@ pub(super) struct Search<'a> {
     pub tried: Vec<Candidate>,
     /// What screening promised of each effect beside the base model.
     pub promises: Vec<Promise>,
+    /// Sets that gain more under the observer than chance gives, over what they were grown from.
+    pub seen: Vec<Vec<String>>,
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -190,6 +192,10 @@ impl Search<'_> {
             jobs.par_iter().map(|(set, known)| models.observed_fit(beside?, set, known)).collect();
         let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =
             jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
+        if let Some(beside) = beside {
+            let seen = |fit: &Option<Fit>| fit.as_ref().is_some_and(|fit| is_seen(&beside.fit, fit));
+            self.seen.extend(ranked.iter().filter(|(.., fit)| seen(fit)).map(|(set, ..)| set.clone()));
+        }
         let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
         // Without an observer they stay in the order of what they promise.
         ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
@@ -303,11 +309,13 @@ impl Search<'_> {
         self.tried[index].validation.mean_square()
     }
 
-    /// The best of some sets if it is clearly better than another one, else that.
+    /// The best of some sets if it is clearly better than another one, else that. What is better by chance in open loop
+    /// alone does not count.
     fn best_of(&self, indices: &[usize], than: usize) -> usize {
-        let floor = self.models.data.floor;
-        let better =
-            indices.iter().copied().filter(|&i| clearly_better(&self.tried[than], &self.tried[i], floor));
+        let (floor, worse) = (self.models.data.floor, &self.tried[than]);
+        let real = |set: &Candidate| self.seen.contains(&set.effects) || is_beyond_chance(worse, set);
+        let better = |set: &Candidate| clearly_better(worse, set, floor) && real(set);
+        let better = indices.iter().copied().filter(|&i| better(&self.tried[i]));
         better.reduce(|a, b| if self.mean_square(b) < self.mean_square(a) { b } else { a }).unwrap_or(than)
     }
 
