@@ -1,12 +1,12 @@
 //! Makes the recovery matrix: `cargo run --release --example recovery_matrix -- --strengths 3 --seeds 3`.
 //!
 //! It runs long, and can be stopped: every campaign's outcome is a line of the results file, and those that are there
-//! already are not made again: lines of an older program stay until they are removed. The file is kept beside the page, so
-//! that the matrix can be gone on with anywhere.
+//! already are not made again. Lines of another search are left out, and their campaigns made again. The file is kept beside
+//! the page, so that the matrix can be gone on with anywhere.
 
 use clap::Parser;
 use sealegs_reference::campaign::Rig;
-use sealegs_tests::matrix::{Asked, DURATION_S, Outcome, cases, error, run, table};
+use sealegs_tests::matrix::{Asked, DURATION_S, Outcome, cases, error, run, stamp, table};
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,6 +21,9 @@ struct Arguments {
     /// Individuals per effect, bench and strength
     #[arg(long, default_value_t = 3)]
     seeds: u64,
+    /// The first individual: those of a matrix that is to count were never looked at before
+    #[arg(long, default_value_t = 1)]
+    first_seed: u64,
     /// One row only, for example backlash, nothing, "backlash + coulomb-friction"
     #[arg(long)]
     only: Option<String>,
@@ -58,10 +61,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     let asked = Asked {
         strengths: arguments.strengths,
         seeds: arguments.seeds,
+        first_seed: arguments.first_seed,
         only: arguments.only,
         rig: arguments.bench,
     };
+    let search = stamp()?;
     let mut done = read(&arguments.results)?;
+    if done.iter().any(|o| o.search != search) {
+        done.retain(|o| o.search == search);
+        let lines: Result<Vec<String>, _> = done.iter().map(serde_json::to_string).collect();
+        let text: String = lines?.iter().map(|line| format!("{line}\n")).collect();
+        std::fs::write(&arguments.results, text)?;
+    }
     let wanted = cases(&asked);
     for (number, case) in wanted.iter().enumerate() {
         if done.iter().any(|o| o.name == case.name()) {

@@ -3,7 +3,7 @@
 use sealegs::mystery::score::Score;
 use sealegs::mystery::trial::Strength;
 use sealegs_reference::campaign::Rig;
-use sealegs_tests::matrix::{Case, run, table};
+use sealegs_tests::matrix::{Case, Outcome, run, stamp, table};
 
 /// Duration of a run, s: the shortest in which the chirp is still one.
 const DURATION_S: f64 = 3.0;
@@ -57,4 +57,17 @@ fn reference_of_many_valleys_that_one_is_found_where_what_is_known_holds() {
     for told in outcome.stated.iter().filter(|told| !told.name.ends_with("unsprung_mass_kg")) {
         assert!((told.value / told.truth - 1.0).abs() < 0.05, "{told:?}");
     }
+}
+
+#[test]
+fn the_matrix_was_made_by_this_search() {
+    let lines = include_str!("../recovery-matrix.jsonl").lines();
+    let outcomes: Vec<Outcome> = lines.map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert!(!outcomes.is_empty());
+    let search = stamp().unwrap();
+    for outcome in &outcomes {
+        assert_eq!(outcome.search, search, "{}: make the matrix again", outcome.name);
+    }
+    let page = include_str!("../recovery-matrix.md");
+    assert!(page.contains(&format!("Search {search}. ")), "the page is another search's");
 }

@@ -68,6 +68,21 @@ pub trait Model: fmt::Debug + Send + Sync {
     fn predict(&self, values: &[f64], record: &Record, channels: &[String])
     -> Result<Prediction, ModelError>;
 
+    /// The outputs of [`Model::predict`] alone, bit for bit: a model that saves time without internal signals and events
+    /// leaves them out. For derivatives, which are most of what a fit simulates.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::predict`].
+    fn predict_outputs(
+        &self,
+        values: &[f64],
+        record: &Record,
+        channels: &[String],
+    ) -> Result<Prediction, ModelError> {
+        self.predict(values, record, channels)
+    }
+
     /// Runs that could be made on the rig, where an experiment is no input to play but a run of the rig's own: each
     /// record's name says what to do, and [`Model::predict`] knows it by that name.
     fn experiments(&self) -> Vec<Record> {

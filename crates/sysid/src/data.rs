@@ -184,12 +184,34 @@ impl<'a> Data<'a> {
     ///
     /// [`Error::Model`] with the run's name; also if a predicted value is not finite.
     pub fn predict_run(&self, run: usize, model: &dyn Model, values: &[f64]) -> Result<Prediction, Error> {
+        self.simulated(run, |record, channels| model.predict(values, record, channels))
+    }
+
+    /// The outputs of [`Data::predict_run`] alone.
+    ///
+    /// # Errors
+    ///
+    /// As [`Data::predict_run`].
+    pub fn predict_outputs_of_run(
+        &self,
+        run: usize,
+        model: &dyn Model,
+        values: &[f64],
+    ) -> Result<Prediction, Error> {
+        self.simulated(run, |record, channels| model.predict_outputs(values, record, channels))
+    }
+
+    fn simulated(
+        &self,
+        run: usize,
+        simulate: impl FnOnce(&Record, &[String]) -> Result<Prediction, sealegs_model::ModelError>,
+    ) -> Result<Prediction, Error> {
         let r = &self.runs[run];
         self.simulations.fetch_add(1, Ordering::Relaxed);
         let span = r.record.time_s.last().zip(r.record.time_s.first()).map_or(0.0, |(b, a)| b - a);
         self.simulated_ms.fetch_add((1e3 * span) as u64, Ordering::Relaxed);
         let failed = |source| Error::Model { run: r.record.name.clone(), source };
-        let prediction = model.predict(values, r.record, &r.names).map_err(failed)?;
+        let prediction = simulate(r.record, &r.names).map_err(failed)?;
         for signal in &prediction.outputs {
             if let Some(i) = signal.values.iter().position(|v| !v.is_finite()) {
                 let time_s = r.record.time_s[i];
@@ -210,6 +232,17 @@ impl<'a> Data<'a> {
     pub fn predict(&self, model: &dyn Model, values: &[f64]) -> Result<Vec<Prediction>, Error> {
         let all: Vec<_> =
             (0..self.runs.len()).into_par_iter().map(|run| self.predict_run(run, model, values)).collect();
+        all.into_iter().collect()
+    }
+
+    /// The outputs of [`Data::predict`] alone.
+    ///
+    /// # Errors
+    ///
+    /// As [`Data::predict`].
+    pub fn predict_outputs(&self, model: &dyn Model, values: &[f64]) -> Result<Vec<Prediction>, Error> {
+        let runs = (0..self.runs.len()).into_par_iter();
+        let all: Vec<_> = runs.map(|run| self.predict_outputs_of_run(run, model, values)).collect();
         all.into_iter().collect()
     }
 

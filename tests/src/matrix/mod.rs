@@ -4,8 +4,10 @@
 //! campaigns with nothing hidden, and with effects of no catalogue, all by the independent simulator
 //! (`sealegs-reference`) at a fine step. The runs are shorter than a real campaign's, to keep it affordable.
 
+mod stamp;
 mod table;
 
+pub use stamp::stamp;
 pub use table::{error, table};
 
 use sealegs::bench_model;
@@ -40,6 +42,8 @@ pub struct Asked {
     pub strengths: usize,
     /// Individuals per effect, bench and strength.
     pub seeds: u64,
+    /// The first of them; the search has never seen those of a matrix that is to count.
+    pub first_seed: u64,
     /// This effect only (`nothing` for the campaigns without one).
     pub only: Option<String>,
     /// This bench only.
@@ -97,7 +101,7 @@ pub fn cases(asked: &Asked) -> Vec<Case> {
                 continue;
             }
             for strength in &strengths {
-                for seed in 1..=seeds {
+                for seed in asked.first_seed..asked.first_seed + seeds {
                     all.push(Case { ids: ids.clone(), rig, strength: *strength, seed });
                 }
             }
@@ -111,6 +115,9 @@ pub fn cases(asked: &Asked) -> Vec<Case> {
 /// says: the score, and the errors of what was not right.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Outcome {
+    /// [`stamp`] of the search that made it.
+    #[serde(default)]
+    pub search: String,
     /// [`Case::name`].
     pub name: String,
     /// The row of the table.
@@ -199,6 +206,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         rough: Vec::new(),
     };
     let mut outcome = Outcome {
+        search: stamp()?,
         name: name.clone(),
         row: case.row(),
         bench: case.rig.as_str().to_owned(),

@@ -34,9 +34,13 @@ fn tally<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> (BTreeMap<String, u
 /// The page for outcomes in the order of their rows, of so many campaigns that there are to be.
 #[must_use]
 pub fn table(outcomes: &[Outcome], of: usize, date: &str) -> String {
+    let mut searches: Vec<&str> = outcomes.iter().map(|o| o.search.as_str()).collect();
+    searches.sort_unstable();
+    searches.dedup();
+    let search = searches.join(", ");
     let mut out = format!(
         "# Recovery matrix, {date}\n\n\
-         Made by `cargo run --release --example recovery_matrix`: campaigns of an independent simulator\n\
+         Search {search}. Made by `cargo run --release --example recovery_matrix`: campaigns of an independent simulator\n\
          (`crates/reference`) with wrong start parameters, through the whole diagnosis. Runs of {DURATION_S:.0} s, two to \
          fit on and two to judge on. {} of {of} campaigns are made.\n\n",
         outcomes.len()

@@ -107,7 +107,6 @@ pub(super) fn sense(
     channels: &[String],
 ) -> Prediction {
     let grid = trace.grid;
-    let internals = internals(plant, &trace, arm_m, time_s);
     let outputs = channels
         .iter()
         .map(|channel| {
@@ -141,7 +140,7 @@ pub(super) fn sense(
             Signal { channel: channel.clone(), values }
         })
         .collect();
-    Prediction { outputs, internals, events: Vec::new() }
+    Prediction { outputs, ..Prediction::default() }
 }
 
 /// The deflection's own values, which the screw's extension stands for where nothing else moves.
@@ -149,7 +148,8 @@ fn deflection(trace: &mut Trace) -> &mut Vec<f64> {
     if trace.deflection.is_empty() { &mut trace.screw_position } else { &mut trace.deflection }
 }
 
-fn internals(plant: &Plant, trace: &Trace, arm_m: f64, time_s: &[f64]) -> Vec<Signal> {
+/// What the bench knows beside what its sensors show, at the time stamps.
+pub(super) fn internals(plant: &Plant, trace: &Trace, arm_m: f64, time_s: &[f64]) -> Vec<Signal> {
     let grid = &trace.grid;
     let mut signals = Vec::with_capacity(8);
     let mut add = |name: &str, values: Vec<f64>| {

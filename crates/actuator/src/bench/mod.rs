@@ -423,6 +423,27 @@ impl BenchModel {
         };
         Ok((plant, trace))
     }
+
+    /// A simulation of a record whose channels are all known.
+    fn traced(
+        &self,
+        values: &[f64],
+        record: &Record,
+        channels: &[String],
+    ) -> Result<(Plant, Trace), ModelError> {
+        match channels.iter().find(|channel| !self.predicts(channel)) {
+            Some(channel) => Err(ModelError::UnknownChannel { channel: channel.clone() }),
+            None => self.simulate(values, record),
+        }
+    }
+
+    /// What the sensors show of a simulation.
+    fn sensed(&self, plant: &Plant, trace: Trace, record: &Record, channels: &[String]) -> Prediction {
+        let arm_m = self.bench_of(&record.name).arm_m();
+        // What the logger was told, not what a fit found since.
+        let nominal_stiffness = self.spec.spring.stiffness();
+        channel::sense(plant, trace, arm_m, nominal_stiffness, &record.time_s, channels)
+    }
 }
 
 impl Model for BenchModel {
@@ -465,21 +486,25 @@ impl Model for BenchModel {
         record: &Record,
         channels: &[String],
     ) -> Result<Prediction, ModelError> {
-        for channel in channels {
-            if !self.predicts(channel) {
-                return Err(ModelError::UnknownChannel { channel: channel.clone() });
-            }
-        }
-        let (plant, trace) = self.simulate(values, record)?;
+        let (plant, trace) = self.traced(values, record, channels)?;
         let arm_m = self.bench_of(&record.name).arm_m();
-        // What the logger was told, not what a fit found since.
-        let nominal_stiffness = self.spec.spring.stiffness();
         let (start_s, step_s) = (trace.grid.start_s, trace.grid.step_s);
         let events = self.spec.spring_limits().over_run(start_s, step_s, &trace.force_1);
+        let mut internals = channel::internals(&plant, &trace, arm_m, &record.time_s);
         let missing = self.observed.as_ref().map(|o| o.missing(record, &plant, &trace, arm_m));
-        let mut sensed = channel::sense(&plant, trace, arm_m, nominal_stiffness, &record.time_s, channels);
-        sensed.internals.extend(missing.into_iter().flatten());
-        Ok(Prediction { events: events.iter().map(ToString::to_string).collect(), ..sensed })
+        internals.extend(missing.into_iter().flatten());
+        let sensed = self.sensed(&plant, trace, record, channels);
+        Ok(Prediction { internals, events: events.iter().map(ToString::to_string).collect(), ..sensed })
+    }
+
+    fn predict_outputs(
+        &self,
+        values: &[f64],
+        record: &Record,
+        channels: &[String],
+    ) -> Result<Prediction, ModelError> {
+        let (plant, trace) = self.traced(values, record, channels)?;
+        Ok(self.sensed(&plant, trace, record, channels))
     }
 
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {

@@ -58,7 +58,7 @@ impl Observed {
         if let Some(motion) = known(&lock()) {
             return Some(motion);
         }
-        let motion = Arc::new(self.channel(record, channel)?.on(grid, &record.time_s));
+        let motion = Arc::new(self.channel(record, channel)?.curved(grid, &record.time_s));
         lock().push((key, motion.clone()));
         Some(motion)
     }
@@ -111,7 +111,7 @@ impl Observed {
         let rotor = match self.on_grid(record, "motor_angle_rad", grid) {
             Some(to) => Some(Pull::on(to, plant.travel_per_rad, mass, rate(mass))),
             None => self.rotor(record, plant, arm_m).map(|to| {
-                let to = Arc::new(to.on(grid, &record.time_s));
+                let to = Arc::new(to.curved(grid, &record.time_s));
                 Pull::on(to, 1.0, mass, rate(mass))
             }),
         };

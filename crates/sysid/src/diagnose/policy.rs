@@ -82,6 +82,13 @@ policy! {
     SCATTERED_RATIO = 10.0;
     /// Steps of a fit under the observer, which leads to the neighbourhood of the solution.
     OBSERVED_STEPS = 8.0;
+    /// The first of them, after which the sets that may still be the best go on alone.
+    RACE_STEPS = 3.0;
+    /// Cost over the best set's after them up to which a set goes on: three steps take a cost to a third of itself where
+    /// they take it anywhere.
+    RACED = 4.0;
+    /// A part of what a linear regression promises of an effect, from which a fit starts where that leaves less.
+    WEAKER = 0.3;
     /// Steps of a fit in the search.
     STEPS = 20.0;
     /// The same where a simulation is dear: the best of them is fitted on.

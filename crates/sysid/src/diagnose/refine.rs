@@ -4,15 +4,17 @@
 //! observer (see [`Model::observing`]) an error lasts for one of its time constants only. What is fitted there begins the
 //! fit in open loop, which alone is validated, compared and judged.
 
-use super::compare::{excess, mean_square_difference};
+use super::compare::{excess, is_seen, mean_square_difference};
 use super::policy::{
-    AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, STARTS, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE, TRACE,
+    AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, RACE_STEPS, RACED, STARTS, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE,
+    TRACE, WEAKER,
 };
-use super::screen::{Known, screen};
+use super::screen::{Known, is_amplitude, screen};
 use super::{Candidate, count, values_by_name, with_effects};
 use crate::Error;
 use crate::data::Data;
 use crate::fit::{self, Difference, Fit, FitOptions};
+use rayon::prelude::*;
 use sealegs_model::{Excitation, Model, Parameter, Record};
 
 /// Gain of a step with which a fit in a search is content (see [`FitOptions::tolerance`]).
@@ -70,7 +72,7 @@ impl<'a> Models<'a> {
         exactly.map_or(0.0, |exactly| mean_square_difference(&exactly, &candidate.fit.evaluation))
     }
 
-    /// The base model's own fit in open loop, every discrete choice tried; and what it saw.
+    /// The base model's own fit in open loop, every discrete choice tried where the observer does not tell; and what it saw.
     ///
     /// # Errors
     ///
@@ -78,7 +80,7 @@ impl<'a> Models<'a> {
     pub fn base(&mut self) -> Result<Candidate, Error> {
         let usual = FitOptions::of(self.exact);
         let difference = if self.dear { Difference::Forward } else { usual.difference };
-        let options = FitOptions { difference, ..usual };
+        let options = FitOptions { difference, start: self.choice_under_observer(), ..usual };
         let fit = count::fit_holding(self.data, self.coarse.as_ref(), &options)?;
         self.seen = self.data.excitation(&fit.evaluation.predictions);
         let mut base = Candidate::of_base(self.data, self.coarse.as_ref(), fit);
@@ -86,6 +88,32 @@ impl<'a> Models<'a> {
         let exactly = self.data.predict(self.exact, &base.fit.values);
         base.exact = exactly.is_ok_and(|p| p == base.fit.evaluation.predictions);
         Ok(base)
+    }
+
+    /// The base model's nominal values with the discrete choices that are clearly the best under the observer; `None` where
+    /// none is. Whole runs in open loop may favour a wrong one while an effect is missing, as it takes some of the drift.
+    fn choice_under_observer(&self) -> Option<Vec<f64>> {
+        let observed = self.observed.as_deref().filter(|_| !self.dear)?;
+        let choices = fit::choices(observed);
+        if choices.len() < 2 {
+            return None;
+        }
+        let fit = |start: &Vec<f64>| {
+            let options = FitOptions {
+                start: Some(start.clone()),
+                starts: 1,
+                max_steps: OBSERVED_STEPS as usize,
+                tolerance: ROUGH_TOLERANCE,
+                difference: Difference::Forward,
+                held: count::held(observed),
+                ..FitOptions::default()
+            };
+            fit::fit(self.data, observed, &options).ok().map(|fit| (start.clone(), fit))
+        };
+        let mut fitted: Vec<(Vec<f64>, Fit)> = choices.par_iter().filter_map(fit).collect();
+        fitted.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+        let (best, next) = (fitted.first()?, fitted.get(1)?);
+        is_seen(&next.1, &best.1).then(|| best.0.clone())
     }
 
     fn options(&self, model: &dyn Model, start: Vec<f64>, near: &Candidate) -> FitOptions {
@@ -131,16 +159,56 @@ impl<'a> Models<'a> {
         Some(Candidate { model, fit, ..candidate.clone() })
     }
 
-    /// A set fitted from values by name under the observer, from the base model's nominal values; `None` without one.
-    /// `near` is fitted under the observer, too: its derivatives may be taken over.
+    /// Sets fitted from values by name under the observer, each from where it leaves least: beside the base model's nominal
+    /// values, beside those of `near`, and there with an effect that is a part as strong, as a linear regression overrates
+    /// what saturates. After a few steps only those go on that may still be the best. `None` where nothing can be
+    /// simulated. `near` is fitted under the observer, too: its derivatives may be taken over.
     #[must_use]
-    pub fn observed_fit(&self, near: &Candidate, effects: &[String], known: &Known) -> Option<Fit> {
+    pub fn observed_fits(&self, near: &Candidate, sets: &[(Vec<String>, Known)]) -> Vec<Option<Fit>> {
+        let first = |(set, known): &(Vec<String>, Known)| self.observed_fit(near, set, known);
+        let mut fits: Vec<Option<Fit>> = sets.par_iter().map(first).collect();
+        let least = fits.iter().flatten().map(|fit| fit.cost).fold(f64::INFINITY, f64::min);
+        fits.par_iter_mut().zip(sets).for_each(|(fit, (set, _))| {
+            let raced = fit.as_ref().filter(|fit| !fit.converged && fit.cost <= RACED * least);
+            if let Some(on) = raced.and_then(|fit| self.observed_on(near, set, fit)) {
+                *fit = Some(on);
+            }
+        });
+        fits
+    }
+
+    /// A set's first few steps under the observer.
+    fn observed_fit(&self, near: &Candidate, effects: &[String], known: &Known) -> Option<Fit> {
         let model = with_effects(self.observed.as_deref()?, effects, &self.seen).ok()?;
-        let start = values_by_name(model.as_ref(), &with_nominal_base(self.exact, known));
+        let nominal = values_by_name(model.as_ref(), &with_nominal_base(self.exact, known));
+        let of_base = near.known().into_iter().filter(|(name, _)| !name.contains('.'));
+        let beside: Known = known.iter().cloned().chain(of_base).rev().collect();
+        let beside = values_by_name(model.as_ref(), &beside);
+        let added = |p: &Parameter| {
+            let of = |effect: &String| super::candidate::symbol(&p.name, effect).is_some();
+            is_amplitude(p) && effects.iter().any(|e| of(e) && !near.effects.contains(e))
+        };
+        let weaker = model.parameters().iter().zip(&beside);
+        let weaker = weaker.map(|(p, v)| if added(p) { WEAKER * v } else { *v }).collect();
+        let starts = [nominal, beside, weaker];
+        let cost =
+            |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);
+        let best = starts.into_iter().map(|s| (cost(&s), s)).reduce(|a, b| if b.0 < a.0 { b } else { a })?;
         let options = FitOptions {
-            max_steps: OBSERVED_STEPS as usize,
+            max_steps: RACE_STEPS as usize,
             tolerance: ROUGH_TOLERANCE,
-            ..self.options(model.as_ref(), start, near)
+            ..self.options(model.as_ref(), best.1, near)
+        };
+        fit::fit(self.data, model.as_ref(), &options).ok()
+    }
+
+    /// The rest of such a fit.
+    fn observed_on(&self, near: &Candidate, effects: &[String], fit: &Fit) -> Option<Fit> {
+        let model = with_effects(self.observed.as_deref()?, effects, &self.seen).ok()?;
+        let options = FitOptions {
+            max_steps: (OBSERVED_STEPS - RACE_STEPS) as usize,
+            tolerance: ROUGH_TOLERANCE,
+            ..self.options(model.as_ref(), fit.values.clone(), near)
         };
         fit::fit(self.data, model.as_ref(), &options).ok()
     }
@@ -286,7 +354,9 @@ impl Models<'_> {
         let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
         let fitted = starts.into_iter().filter_map(|start| {
             let known: Known = known.iter().cloned().chain(start).collect();
-            let observed = beside.as_ref().and_then(|beside| self.observed_fit(beside, &effects, &known));
+            let observed = beside.as_ref().and_then(|beside| {
+                self.observed_fits(beside, &[(effects.clone(), known.clone())]).pop().flatten()
+            });
             self.fitted(near, &effects, &known, observed.as_ref())
         });
         fitted.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })

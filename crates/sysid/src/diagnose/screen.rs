@@ -114,7 +114,7 @@ fn changed(
 ) -> Option<Vec<Prediction>> {
     let model = coarse.with_effect(&card.id, seen).ok()?;
     let values: Vec<f64> = values.iter().chain(start).copied().collect();
-    data.predict(model.as_ref(), &values).ok()
+    data.predict_outputs(model.as_ref(), &values).ok()
 }
 
 /// What effects (by their places among the cards) promise from starting values, the most promising first.
@@ -127,7 +127,7 @@ pub(super) fn looks(
 ) -> Vec<Look> {
     let coarse = beside.model.coarser(SCREEN_STEPS_PER_SAMPLE);
     let base = (coarse.as_ref(), &beside.fit.values[..]);
-    let Ok(unchanged) = data.predict(base.0, base.1) else { return Vec::new() };
+    let Ok(unchanged) = data.predict_outputs(base.0, base.1) else { return Vec::new() };
     let mut looks: Vec<Look> = Vec::new();
     for chunk in jobs.chunks(TOGETHER) {
         let predicted: Vec<_> =
@@ -160,7 +160,7 @@ fn together(
 ) -> Screened {
     let coarse = beside.model.coarser(SCREEN_STEPS_PER_SAMPLE);
     let base = (coarse.as_ref(), &beside.fit.values[..]);
-    let Ok(unchanged) = data.predict(base.0, base.1) else { return Screened::default() };
+    let Ok(unchanged) = data.predict_outputs(base.0, base.1) else { return Screened::default() };
     let mut kept: Vec<Look> = Vec::new();
     for look in looks {
         let same: Vec<&Look> = kept.iter().filter(|k| k.card == look.card).collect();

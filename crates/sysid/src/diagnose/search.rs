@@ -188,8 +188,8 @@ impl Search<'_> {
         let jobs: Vec<_> = plans.into_iter().map(|p| job(&p.added, p.start)).filter(new).collect();
         let (models, first) = (&self.models, self.tried.len());
         (self.progress)(Progress::Fitting { sets: jobs.iter().map(|(set, _)| set.clone()).collect() });
-        let observed: Vec<Option<Fit>> =
-            jobs.par_iter().map(|(set, known)| models.observed_fit(beside?, set, known)).collect();
+        let observed =
+            beside.map_or_else(|| vec![None; jobs.len()], |beside| models.observed_fits(beside, &jobs));
         let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =
             jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
         if let Some(beside) = beside {

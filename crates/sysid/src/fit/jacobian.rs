@@ -183,7 +183,7 @@ pub(crate) fn raw(
                 if most == 0.0 || (reached * times) < 0.5 {
                     return None;
                 }
-                data.predict_run(run, model, &values).ok().map(|p| (reached, p))
+                data.predict_outputs_of_run(run, model, &values).ok().map(|p| (reached, p))
             };
             let up = shifted(1.0);
             let down = if how == Difference::Central || up.is_none() { shifted(-1.0) } else { None };
