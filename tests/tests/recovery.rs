@@ -55,7 +55,7 @@ fn reference_of_many_valleys_that_one_is_found_where_what_is_known_holds() {
     let outcome = run(&soft, 2.0 * DURATION_S, folder.path()).unwrap();
     assert_eq!(outcome.score, Score::Right.as_str(), "{outcome:?}");
     for told in outcome.stated.iter().filter(|told| !told.name.ends_with("unsprung_mass_kg")) {
-        assert!((told.value / told.truth - 1.0).abs() < 0.05, "{told:?}");
+        assert!((told.value / told.truth - 1.0).abs() < 0.05, "{told:?} of {outcome:?}");
     }
 }
 

@@ -88,6 +88,7 @@ impl Added {
             fit_error: candidate.fit.error(),
             parameters: parameters(&candidate.fit),
             sensors: sensors(&candidate.fit),
+            channels: Vec::new(),
         }
     }
 }

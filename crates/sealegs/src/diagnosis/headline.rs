@@ -202,6 +202,7 @@ fn judged(o: &Outcome) -> Vec<String> {
                 error(o.base.fit_error),
                 error(after.fit_error)
             ));
+            lines.extend(o.worst_channel().map(|w| format!("Root mean square, held-out: {w}.")));
             lines.push(format!(
                 "{} of the energy above the noise floor is left.",
                 capital(&percent(o.unexplained_share))
@@ -282,7 +283,7 @@ mod tests {
     }
 
     fn side(error: f64, parameters: Vec<ParameterValue>) -> Side {
-        Side { holdout_error: error, fit_error: error, parameters, sensors: Vec::new() }
+        Side { holdout_error: error, fit_error: error, parameters, sensors: Vec::new(), channels: Vec::new() }
     }
 
     /// A verdict on a toy: 80 um of play and some friction take the error from 40 to the noise floor.

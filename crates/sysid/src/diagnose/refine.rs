@@ -26,6 +26,9 @@ const FINISHED_TOLERANCE: f64 = 1.0;
 /// The same where only the neighbourhood is wanted, or derivatives are dear.
 const ROUGH_TOLERANCE: f64 = 3.0;
 
+/// Ratios to its nominal value from which a parameter that is free at last starts again: its prior is 50 %.
+const FREED: [f64; 2] = [0.6, 1.4];
+
 /// A base model in the forms in which a diagnosis uses it, with the fit runs.
 pub struct Models<'a> {
     /// The fit runs.
@@ -300,7 +303,6 @@ impl<'a> Models<'a> {
             let model = with_effects(self.exact, &candidate.effects, &self.seen)?;
             let usual = FitOptions::of(self.exact);
             let options = FitOptions {
-                start: Some(candidate.fit.values.clone()),
                 starts: 1,
                 columns: usual.secants.then(|| candidate.columns()),
                 max_steps: if self.dear { DEAR_STEPS as usize } else { usual.max_steps },
@@ -312,7 +314,14 @@ impl<'a> Models<'a> {
                 last: true,
                 ..usual
             };
-            let fit = count::fit_holding(self.data, model.as_ref(), &options)?;
+            let from = |start: Vec<f64>| {
+                let options = FitOptions { start: Some(start), ..options.clone() };
+                count::fit_holding(self.data, model.as_ref(), &options)
+            };
+            let mut fit = from(candidate.fit.values.clone())?;
+            for start in freed(model.as_ref(), &candidate.fit.values) {
+                fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
+            }
             Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
         };
         polish().unwrap_or_else(|_| candidate.clone())
@@ -325,6 +334,20 @@ impl<'a> Models<'a> {
         let left = excess(candidate.fit.error(), floor);
         candidate.fit.error() <= AT_FLOOR * floor || left <= TRACE * excess(base.fit.error(), floor)
     }
+}
+
+/// Values with other starts of what a last fit frees: with it the search held the valley that goes with its nominal value,
+/// and another one may be lower.
+fn freed(model: &dyn Model, values: &[f64]) -> Vec<Vec<f64>> {
+    let parameters = model.parameters().iter().enumerate().filter(|(_, p)| p.freed_at_last);
+    let starts = parameters.flat_map(|(i, p)| FREED.map(|ratio| (i, (ratio * p.value).clamp(p.min, p.max))));
+    starts
+        .map(|(i, value)| {
+            let mut start = values.to_vec();
+            start[i] = value;
+            start
+        })
+        .collect()
 }
 
 /// Derivatives in open loop are others than those under the observer, where simulations are cheap on a leg, too.
