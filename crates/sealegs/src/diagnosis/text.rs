@@ -35,6 +35,9 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     if let Some(after) = &outcome.after {
         error(&format!("with {}", outcome.effects.join(" + ")), after);
     }
+    if let Some(worst) = outcome.worst_channel() {
+        let _ = writeln!(o, "  held-out, root mean square: {worst}");
+    }
     if !outcome.indistinguishable.is_empty() {
         let _ = writeln!(o, "\nThese runs fit as well:");
         for set in &outcome.indistinguishable {
