@@ -1,6 +1,6 @@
 //! Errors of a model, run by run and channel by channel, in noise units and in per cent.
 
-use crate::data::{Data, Evaluation};
+use crate::data::{Channel, Data, Evaluation};
 use crate::{Role, stats};
 
 /// The error of one run and channel.
@@ -52,6 +52,29 @@ pub fn table(data: &Data, at: &Evaluation) -> Vec<ChannelError> {
             }
         })
         .collect()
+}
+
+/// The error of one channel over all its runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PooledError {
+    /// The channel.
+    pub channel: String,
+    /// Root mean square residual in noise units.
+    pub error: f64,
+    /// The same in the channel's unit.
+    pub rms: f64,
+}
+
+/// One line for each channel, in the order of the data.
+#[must_use]
+pub fn by_channel(data: &Data, at: &Evaluation) -> Vec<PooledError> {
+    let of_channel = |(c, channel): (usize, &Channel)| {
+        let residuals: Vec<f64> =
+            at.blocks.iter().filter(|b| b.channel == c).flat_map(|b| b.residual.iter().copied()).collect();
+        let error = stats::rms(&residuals);
+        PooledError { channel: channel.name.clone(), error, rms: error * channel.noise_std }
+    };
+    data.channels.iter().enumerate().map(of_channel).collect()
 }
 
 /// The error over several evaluations together: root mean square of all residuals, in noise units.

@@ -12,6 +12,7 @@ pub mod plan;
 pub mod progress;
 pub mod provenance;
 mod result;
+mod sentence;
 pub mod story;
 pub mod text;
 

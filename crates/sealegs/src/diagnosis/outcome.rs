@@ -1,11 +1,11 @@
 //! A diagnosis in the data contract's words: what `--json` writes and what text and report print.
 
 use super::confidence::Confidence;
-use crate::report::units::{error, with_interval};
+use super::sentence::sentence;
 use sealegs_model::Unit;
 use sealegs_sysid::diagnose::{Candidate, Diagnosis, Judged, MissingForce, OpenChoice, Port, VerdictKind};
 use sealegs_sysid::sanity::Finding;
-use sealegs_sysid::{Campaign, Data, Fit, Role};
+use sealegs_sysid::{Campaign, Data, Fit, Role, residual};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -94,12 +94,12 @@ pub struct Side {
     pub sensors: Vec<SensorValue>,
     /// The errors of the holdout runs in the channels' own units; empty where nothing was held out.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub channels: Vec<ChannelError>,
+    pub channels: Vec<ChannelSaid>,
 }
 
 /// What a model leaves of a channel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ChannelError {
+pub struct ChannelSaid {
     /// The channel.
     pub channel: String,
     /// Its unit.
@@ -397,38 +397,24 @@ pub fn sensors(fit: &Fit) -> Vec<SensorValue> {
 fn channel_errors(
     campaign: &Campaign,
     candidate: &Candidate,
-) -> Result<Vec<ChannelError>, sealegs_sysid::Error> {
+) -> Result<Vec<ChannelSaid>, sealegs_sysid::Error> {
     let (model, fit) = (candidate.model.as_ref(), &candidate.fit);
     let data = Data::new(campaign, Some(Role::Holdout), model)?;
     let left = data.judge(model, &fit.values, fit.sensors())?;
-    let of_channel = |(c, channel): (usize, &sealegs_sysid::data::Channel)| {
-        let residuals = || left.blocks.iter().filter(|b| b.channel == c).flat_map(|b| &b.residual);
-        let error = (residuals().map(|r| r * r).sum::<f64>() / residuals().count().max(1) as f64).sqrt();
-        ChannelError {
-            channel: channel.name.clone(),
-            unit: Unit::of_channel(&channel.name).map_or_else(|_| String::new(), |u| u.symbol().to_owned()),
-            holdout_rms: error * channel.noise_std,
-            holdout_error: error,
-        }
+    let said = |e: residual::PooledError| ChannelSaid {
+        unit: Unit::of_channel(&e.channel).map_or_else(|_| String::new(), |u| u.symbol().to_owned()),
+        holdout_rms: e.rms,
+        holdout_error: e.error,
+        channel: e.channel,
     };
-    Ok(data.channels.iter().enumerate().map(of_channel).collect())
+    Ok(residual::by_channel(&data, &left).into_iter().map(said).collect())
 }
 
 impl Outcome {
-    /// The channel that the base model misses most, with its error before and after: `position_m 111 mm → 5.28 mm`.
-    pub(super) fn worst_channel(&self) -> Option<String> {
-        let before =
-            self.base.channels.iter().reduce(|a, b| if b.holdout_error > a.holdout_error { b } else { a })?;
-        let said = |e: &ChannelError| with_interval(e.holdout_rms, None, &e.unit);
-        let after = self.after.as_ref().and_then(|a| a.channels.iter().find(|c| c.channel == before.channel));
-        let after = after.map_or_else(String::new, |after| format!(" → {}", said(after)));
-        Some(format!("{} {}{after}", before.channel, said(before)))
-    }
-
     /// Everything that is said of a diagnosis; the next experiment and what is wrong with the log come from outside.
     #[must_use]
     pub fn new(
-        campaign: &sealegs_sysid::Campaign,
+        campaign: &Campaign,
         diagnosis: &Diagnosis,
         next_experiment: String,
         sanity: Vec<Finding>,
@@ -505,43 +491,6 @@ impl Outcome {
         outcome.confidence = Confidence::of(&outcome);
         outcome.sentence = sentence(&outcome);
         outcome
-    }
-}
-
-/// Error in noise units from which on the verdict says it in the worst channel's own unit, too.
-const FAR: f64 = 1000.0;
-
-/// The verdict in one sentence with its numbers.
-fn sentence(o: &Outcome) -> String {
-    let set = super::headline::set_with_values(o);
-    let floor = o.noise_floor;
-    // Where a sensor is far better than the model, noise units are large numbers that nobody can picture.
-    let said = |e: f64| if e >= FAR { error(e) } else { format!("{e:.2}") };
-    let base = said(o.base.holdout_error);
-    let pictured = o.worst_channel().filter(|_| o.base.holdout_error >= FAR);
-    let pictured = pictured.map_or_else(String::new, |w| format!(" Root mean square, held-out: {w}."));
-    match (o.verdict, &o.after) {
-        ("adequate", _) => format!(
-            "Nothing is missing: with its own parameters refitted, the base model is at the noise floor on the held-out \
-             runs (error {:.3}, floor {floor:.2} noise units).",
-            o.base.holdout_error
-        ),
-        ("missing-effect", Some(after)) => format!(
-            "Missing: {set}. It takes the error on the held-out runs from {base} to {:.3} noise units (floor {floor:.2}); \
-             {} of the energy above the floor is left.{pictured}",
-            after.holdout_error,
-            percent(o.unexplained_share)
-        ),
-        ("partly-explained", Some(after)) => format!(
-            "Partly explained: {set} takes the error on the held-out runs from {base} to {} noise units, but {} of the \
-             energy above the floor ({floor:.2}) stays and has structure.{pictured}",
-            said(after.holdout_error),
-            percent(o.unexplained_share)
-        ),
-        _ => format!(
-            "Unexplained: the base model misses the held-out runs by {base} noise units (floor {floor:.2}), and no known \
-             effect, alone or with others, explains that.{pictured}"
-        ),
     }
 }
 

@@ -1,0 +1,54 @@
+//! The verdict in one sentence, and the channel that pictures it.
+
+use super::headline::set_with_values;
+use super::outcome::{ChannelSaid, Outcome, percent};
+use crate::report::units::{error, with_interval};
+
+impl Outcome {
+    /// The channel that the base model misses most, with its error before and after: `position_m 111 mm → 5.28 mm`.
+    pub(super) fn worst_channel(&self) -> Option<String> {
+        let before =
+            self.base.channels.iter().reduce(|a, b| if b.holdout_error > a.holdout_error { b } else { a })?;
+        let said = |e: &ChannelSaid| with_interval(e.holdout_rms, None, &e.unit);
+        let after = self.after.as_ref().and_then(|a| a.channels.iter().find(|c| c.channel == before.channel));
+        let after = after.map_or_else(String::new, |after| format!(" → {}", said(after)));
+        Some(format!("{} {}{after}", before.channel, said(before)))
+    }
+}
+
+/// Error in noise units from which on the verdict says it in the worst channel's own unit, too.
+const FAR: f64 = 1000.0;
+
+/// The verdict in one sentence with its numbers.
+pub(super) fn sentence(o: &Outcome) -> String {
+    let set = set_with_values(o);
+    let floor = o.noise_floor;
+    // Where a sensor is far better than the model, noise units are large numbers that nobody can picture.
+    let said = |e: f64| if e >= FAR { error(e) } else { format!("{e:.2}") };
+    let base = said(o.base.holdout_error);
+    let pictured = o.worst_channel().filter(|_| o.base.holdout_error >= FAR);
+    let pictured = pictured.map_or_else(String::new, |w| format!(" Root mean square, held-out: {w}."));
+    match (o.verdict, &o.after) {
+        ("adequate", _) => format!(
+            "Nothing is missing: with its own parameters refitted, the base model is at the noise floor on the held-out \
+             runs (error {:.3}, floor {floor:.2} noise units).",
+            o.base.holdout_error
+        ),
+        ("missing-effect", Some(after)) => format!(
+            "Missing: {set}. It takes the error on the held-out runs from {base} to {:.3} noise units (floor {floor:.2}); \
+             {} of the energy above the floor is left.{pictured}",
+            after.holdout_error,
+            percent(o.unexplained_share)
+        ),
+        ("partly-explained", Some(after)) => format!(
+            "Partly explained: {set} takes the error on the held-out runs from {base} to {} noise units, but {} of the \
+             energy above the floor ({floor:.2}) stays and has structure.{pictured}",
+            said(after.holdout_error),
+            percent(o.unexplained_share)
+        ),
+        _ => format!(
+            "Unexplained: the base model misses the held-out runs by {base} noise units (floor {floor:.2}), and no known \
+             effect, alone or with others, explains that.{pictured}"
+        ),
+    }
+}
