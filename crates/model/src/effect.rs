@@ -53,6 +53,8 @@ pub struct SimplerLaw {
     pub departure: usize,
     /// Place of the one that it must equal for the simpler law; 0 is meant if there is none.
     pub like: Option<usize>,
+    /// Id, without a place, of the effect that makes up the departure beside the simpler law, where one does.
+    pub beside: Option<&'static str>,
 }
 
 /// Least, greatest and root-mean-square value of one signal over the runs at hand.

@@ -1,17 +1,19 @@
 //! The runs, channels and rows on which a model is compared, and one evaluation of it there.
 
 use crate::nuisance::{self, RunSums, Sensor, SensorPrior};
-use crate::{Campaign, Error, Role, stats};
+use crate::{Campaign, Error, Role, stats, units};
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model, Prediction, Record, SignalRange};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// An output channel that is compared.
+/// An output channel that is compared: one sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// Its name.
     pub name: String,
+    /// The unit that it measures, where the campaign has several (see [`crate::units`]): each has its own sensors.
+    pub unit: Option<String>,
     /// Noise, one standard deviation, in its unit: residuals are divided by it.
     pub noise_std: f64,
     /// What is known of its sensor.
@@ -122,14 +124,17 @@ impl<'a> Data<'a> {
         }
         let mut channels: Vec<Channel> = Vec::new();
         let mut runs = Vec::new();
+        let several = !units::of_campaign(campaign).is_empty();
         for (index, run) in campaign.runs.iter().enumerate() {
             if role.is_some_and(|r| r != run.role) {
                 continue;
             }
             let outputs: Vec<_> = run.record.outputs.iter().filter(|s| model.predicts(&s.channel)).collect();
+            let unit = run.unit.as_ref().filter(|_| several);
+            let is = |c: &Channel, name: &str| c.name == name && c.unit.as_ref() == unit;
             for signal in &outputs {
-                if !channels.iter().any(|c| c.name == signal.channel) {
-                    channels.push(channel(campaign, &signal.channel));
+                if !channels.iter().any(|c| is(c, &signal.channel)) {
+                    channels.push(channel(campaign, &signal.channel, unit));
                 }
             }
             runs.push(DataRun {
@@ -139,7 +144,7 @@ impl<'a> Data<'a> {
                 scored: run.counted(),
                 channels: outputs
                     .iter()
-                    .filter_map(|s| channels.iter().position(|c| c.name == s.channel))
+                    .filter_map(|s| channels.iter().position(|c| is(c, &s.channel)))
                     .collect(),
                 names: outputs.iter().map(|s| s.channel.clone()).collect(),
                 measured: outputs.iter().map(|s| s.values.as_slice()).collect(),
@@ -285,9 +290,9 @@ impl<'a> Data<'a> {
         let mut sensors: Vec<Sensor> = self
             .channels
             .iter()
-            .map(|c| match fitted.iter().find(|s| s.channel == c.name) {
+            .map(|c| match fitted.iter().find(|s| s.channel == c.name && s.unit == c.unit) {
                 Some(sensor) => Sensor { run_bias: Vec::new(), prior_cost: 0.0, ..sensor.clone() },
-                None => nuisance::solve(&c.name, c.noise_std, c.prior, &[]),
+                None => c.sensor(&[]),
             })
             .collect();
         for (c, sensor) in sensors.iter_mut().enumerate() {
@@ -317,8 +322,7 @@ impl<'a> Data<'a> {
             }
             sums.push((run, s));
         }
-        let c = &self.channels[channel];
-        nuisance::solve(&c.name, c.noise_std, c.prior, &sums)
+        self.channels[channel].sensor(&sums)
     }
 
     fn with_sensors(&self, values: &[f64], predictions: Vec<Prediction>, sensors: Vec<Sensor>) -> Evaluation {
@@ -380,18 +384,39 @@ impl<'a> Data<'a> {
             }
         }
         let periods: Vec<f64> = self.runs.iter().map(|r| stats::median_period(&r.record.time_s)).collect();
+        let mut measured: Vec<String> = Vec::new();
+        for channel in &self.channels {
+            if !measured.contains(&channel.name) {
+                measured.push(channel.name.clone());
+            }
+        }
         Excitation {
-            measured: self.channels.iter().map(|c| c.name.clone()).collect(),
+            measured,
             ranges,
             sample_period_s: stats::median(&periods),
         }
     }
 }
 
-/// Noise, prior and size of a channel, the same for all roles.
-fn channel(campaign: &Campaign, name: &str) -> Channel {
+impl Channel {
+    /// Its name with that of its unit, as tables show it.
+    #[must_use]
+    pub fn label(&self) -> String {
+        units::channel_of(&self.name, self.unit.as_deref()).into_owned()
+    }
+
+    /// Its sensor, as some runs show it.
+    fn sensor(&self, sums: &[(usize, RunSums)]) -> Sensor {
+        let sensor = nuisance::solve(&self.name, self.noise_std, self.prior, sums);
+        Sensor { unit: self.unit.clone(), ..sensor }
+    }
+}
+
+/// Noise, prior and size of a channel, the same for all roles and units.
+fn channel(campaign: &Campaign, name: &str, unit: Option<&String>) -> Channel {
     Channel {
         name: name.to_owned(),
+        unit: unit.cloned(),
         noise_std: campaign.noise_std(name).map_or(1.0, |n| n.std),
         prior: campaign.sensor_prior(name),
         peak: campaign.peak(name),

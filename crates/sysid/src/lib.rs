@@ -34,6 +34,7 @@ pub mod stats;
 pub mod structure;
 #[cfg(test)]
 pub(crate) mod toy;
+pub mod units;
 
 pub use campaign::{Bench, Campaign, Role, Run};
 pub use data::{Data, Evaluation};

@@ -1,6 +1,6 @@
 //! Errors of a model, run by run and channel by channel, in noise units and in per cent.
 
-use crate::data::{Channel, Data, Evaluation};
+use crate::data::{Block, Channel, Data, Evaluation};
 use crate::{Role, stats};
 
 /// The error of one run and channel.
@@ -57,7 +57,7 @@ pub fn table(data: &Data, at: &Evaluation) -> Vec<ChannelError> {
 /// The error of one channel over all its runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PooledError {
-    /// The channel.
+    /// The channel, over all units.
     pub channel: String,
     /// Root mean square residual in noise units.
     pub error: f64,
@@ -69,12 +69,24 @@ pub struct PooledError {
 #[must_use]
 pub fn by_channel(data: &Data, at: &Evaluation) -> Vec<PooledError> {
     let of_channel = |(c, channel): (usize, &Channel)| {
+        if data.channels[..c].iter().any(|earlier| earlier.name == channel.name) {
+            return None;
+        }
+        let same = |b: &&Block| data.channels[b.channel].name == channel.name;
         let residuals: Vec<f64> =
-            at.blocks.iter().filter(|b| b.channel == c).flat_map(|b| b.residual.iter().copied()).collect();
+            at.blocks.iter().filter(same).flat_map(|b| b.residual.iter().copied()).collect();
         let error = stats::rms(&residuals);
-        PooledError { channel: channel.name.clone(), error, rms: error * channel.noise_std }
+        Some(PooledError { channel: channel.name.clone(), error, rms: error * channel.noise_std })
     };
-    data.channels.iter().enumerate().map(of_channel).collect()
+    data.channels.iter().enumerate().filter_map(of_channel).collect()
+}
+
+/// The error of some of the runs: root mean square of their residuals, in noise units; none without residuals.
+#[must_use]
+pub fn of_runs(at: &Evaluation, counts: impl Fn(usize) -> bool) -> Option<f64> {
+    let residuals = || at.blocks.iter().filter(|b| counts(b.run)).flat_map(|b| &b.residual);
+    let rows = residuals().count();
+    (rows > 0).then(|| (residuals().map(|r| r * r).sum::<f64>() / rows as f64).sqrt())
 }
 
 /// The error over several evaluations together: root mean square of all residuals, in noise units.

@@ -73,3 +73,49 @@ impl Noise {
         (-2.0 * (1.0 - self.uniform()).ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }
 }
+
+/// Sums of neighbours that make a mean square.
+const FEWEST_SUMS: usize = 8;
+
+/// Independent samples in a residual of mean 0: their number over the greatest ratio of the mean square of sums of neighbours to that
+/// of as many independent ones (the method of batch means).
+#[must_use]
+pub fn independent(residual: &[f64]) -> f64 {
+    let n = residual.len() as f64;
+    let mean_square = residual.iter().map(|r| r * r).sum::<f64>() / n.max(1.0);
+    if mean_square <= 0.0 {
+        return n;
+    }
+    let lengths =
+        std::iter::successors(Some(2), |l| Some(2 * l)).take_while(|l| l * FEWEST_SUMS <= residual.len());
+    let ratio = |length: usize| {
+        let sums = residual.chunks_exact(length).map(|c| c.iter().sum::<f64>().powi(2));
+        let count = (residual.len() / length) as f64;
+        sums.sum::<f64>() / count / (length as f64 * mean_square)
+    };
+    n / lengths.map(ratio).fold(1.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Noise, independent};
+
+    #[test]
+    fn white_noise_is_as_many_samples_as_it_has_and_a_drift_is_few() {
+        let mut noise = Noise::new(7);
+        let white: Vec<f64> = (0..4096).map(|_| noise.normal()).collect();
+        assert!(independent(&white) > 2000.0, "{}", independent(&white));
+        let drift: Vec<f64> = (0..4096).map(|i| (f64::from(i) / 4096.0 * 7.0).sin()).collect();
+        assert!(independent(&drift) < 20.0, "{}", independent(&drift));
+        // An autoregression with a memory of a samples counts 2 a times less.
+        let mut state = 0.0;
+        let slow: Vec<f64> = (0..65536)
+            .map(|_| {
+                state += (noise.normal() - state) / 50.0;
+                state
+            })
+            .collect();
+        let samples = independent(&slow);
+        assert!((300.0..1300.0).contains(&samples), "{samples}");
+    }
+}

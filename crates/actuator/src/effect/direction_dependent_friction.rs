@@ -33,7 +33,7 @@ impl Effect for DirectionDependentFriction {
                          directional-efficiency changes its side with the load.".to_owned(),
             cure: "Look for misalignment, one-sided preload or a lip seal. Feed both levels forward.".to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None }),
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None, beside: Some("output-offset") }),
         }
     }
 

@@ -39,7 +39,7 @@ impl Effect for DirectionalEfficiency {
                    choose a greater lead or a smaller gear ratio: a screw that is hard to drive back protects \
                    nothing.".to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "load-dependent-friction", departure: 1, like: Some(0) }),
+            becomes: Some(SimplerLaw { id: "load-dependent-friction", departure: 1, like: Some(0), beside: None }),
         }
     }
 

@@ -49,7 +49,7 @@ impl Effect for StribeckFriction {
                    slip under stiff position control."
                     .to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: Some(0) }),
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: Some(0), beside: None }),
         }
     }
 

@@ -38,7 +38,7 @@ impl Effect for WarmingFriction {
             cure: "Warm the drive up before measuring and before work, or schedule the feedforward by the \
                    temperature.".to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None }),
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None, beside: None }),
         }
     }
 

@@ -6,9 +6,7 @@ use super::policy::{
 };
 use crate::data::Evaluation;
 use crate::fit::Fit;
-
-/// Sums of neighbours that make a mean square.
-const FEWEST_SUMS: usize = 8;
+use crate::stats;
 
 /// Mean squared error above the floor, in squared noise units.
 pub(super) fn excess(error: f64, floor: f64) -> f64 {
@@ -75,29 +73,11 @@ pub(super) fn is_beyond_chance(worse: &Candidate, better: &Candidate) -> bool {
     let squares = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
     let blocks = worse.fit.evaluation.blocks.iter().zip(&better.fit.evaluation.blocks);
     let ratio: f64 = blocks
-        .map(|(w, b)| (independent(&w.residual), squares(&w.residual), squares(&b.residual)))
+        .map(|(w, b)| (stats::independent(&w.residual), squares(&w.residual), squares(&b.residual)))
         .filter(|(_, w, b)| *w > 0.0 && *b > 0.0)
         .map(|(samples, w, b)| samples * (w / b).ln())
         .sum();
     ratio >= WORTH_PER_PARAMETER * extra
-}
-
-/// Independent samples in a residual: their number over the greatest ratio of the mean square of sums of neighbours to that
-/// of as many independent ones (the method of batch means).
-fn independent(residual: &[f64]) -> f64 {
-    let n = residual.len() as f64;
-    let mean_square = residual.iter().map(|r| r * r).sum::<f64>() / n.max(1.0);
-    if mean_square <= 0.0 {
-        return n;
-    }
-    let lengths =
-        std::iter::successors(Some(2), |l| Some(2 * l)).take_while(|l| l * FEWEST_SUMS <= residual.len());
-    let ratio = |length: usize| {
-        let sums = residual.chunks_exact(length).map(|c| c.iter().sum::<f64>().powi(2));
-        let count = (residual.len() / length) as f64;
-        sums.sum::<f64>() / count / (length as f64 * mean_square)
-    };
-    n / lengths.map(ratio).fold(1.0, f64::max)
 }
 
 /// What `better` loses on some left-out stretches over what it gains on the others.
@@ -121,29 +101,4 @@ pub(super) fn runs_helped(before: &Evaluation, after: &Evaluation) -> (usize, us
         e.blocks.iter().filter(|b| b.run == run).flat_map(|b| &b.residual).map(|r| r * r).sum()
     };
     ((0..runs).filter(|&run| squares(after, run) <= squares(before, run)).count(), runs)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::independent;
-    use crate::stats::Noise;
-
-    #[test]
-    fn white_noise_is_as_many_samples_as_it_has_and_a_drift_is_few() {
-        let mut noise = Noise::new(7);
-        let white: Vec<f64> = (0..4096).map(|_| noise.normal()).collect();
-        assert!(independent(&white) > 2000.0, "{}", independent(&white));
-        let drift: Vec<f64> = (0..4096).map(|i| (f64::from(i) / 4096.0 * 7.0).sin()).collect();
-        assert!(independent(&drift) < 20.0, "{}", independent(&drift));
-        // An autoregression with a memory of a samples counts 2 a times less.
-        let mut state = 0.0;
-        let slow: Vec<f64> = (0..65536)
-            .map(|_| {
-                state += (noise.normal() - state) / 50.0;
-                state
-            })
-            .collect();
-        let samples = independent(&slow);
-        assert!((300.0..1300.0).contains(&samples), "{samples}");
-    }
 }

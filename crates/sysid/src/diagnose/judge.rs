@@ -156,8 +156,12 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     }
     let effects = if says { found.tried[index].effects.clone() } else { Vec::new() };
     let sets = |indices: &[usize]| -> Vec<Vec<String>> {
-        // Beside a set that lost a trace its ties have lost theirs.
-        let of_size = |i: &&usize| found.tried[**i].effects.len() <= effects.len() && **i != index;
+        // Beside a set that lost a trace its ties have lost theirs; more effects with no more parameters are no more.
+        let parameters = |i: usize| found.tried[i].effect_parameters();
+        let of_size = |i: &&usize| {
+            let more = found.tried[**i].effects.len() > effects.len() && parameters(**i) > parameters(index);
+            !more && **i != index
+        };
         indices.iter().filter(of_size).map(|&i| found.tried[i].effects.clone()).collect()
     };
     let (tied, same) = if says { (sets(&found.tied), sets(&found.same)) } else { Default::default() };

@@ -201,6 +201,7 @@ fn search<'a>(
     };
     let best = search.run();
     let (chosen, mut tied) = search.ties(best);
+    let chosen = search.in_parts(chosen, &mut tied);
     let search::Search { models, mut tried, promises, .. } = search;
     let same = models.by_another_name(&tried, chosen);
     tied.retain(|i| !same.contains(i));

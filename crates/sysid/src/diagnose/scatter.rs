@@ -9,6 +9,8 @@ use super::policy::{EXPLAINED, SCATTERED_RATIO};
 use super::refine::{Models, with_nominal_base};
 use super::screen::Known;
 use super::{values_by_name, with_effects};
+use crate::data::Data;
+use crate::stats;
 use rayon::prelude::*;
 use sealegs_model::{Model, Parameter, Scale};
 
@@ -43,12 +45,39 @@ impl Models<'_> {
             && self.exact.parameters().iter().any(is_unknown)
     }
 
-    /// Fits of sets, each from the best of many starts; sets that cannot be simulated are left out.
+    /// The run of which a candidate leaves most and the one of which it leaves least: what tells places apart that are far
+    /// from one another. Runs without a residual do not count.
+    fn extremes(&self, candidate: &Candidate) -> Data<'_> {
+        let at = &candidate.fit.evaluation;
+        let left = |run: usize| {
+            let blocks = at.blocks.iter().filter(move |b| b.run == run);
+            let all: Vec<f64> = blocks.flat_map(|b| b.residual.iter().copied()).collect();
+            (!all.is_empty()).then(|| stats::rms(&all))
+        };
+        let runs = || (0..self.data.runs.len()).filter_map(|run| Some((run, left(run)?)));
+        let most = runs().max_by(|a, b| a.1.total_cmp(&b.1));
+        let least = runs().min_by(|a, b| a.1.total_cmp(&b.1));
+        let kept = |run: usize| [most, least].into_iter().flatten().any(|(i, _)| i == run);
+        let runs = self.data.runs.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, run)| run.clone());
+        Data::from_parts(self.data.channels.clone(), runs.collect(), self.data.floor)
+    }
+
+    /// Fits of sets, each from the best of many starts on few runs, in the end on all; sets that cannot be simulated are
+    /// left out.
     #[must_use]
     pub fn scattered(&self, near: &Candidate, sets: &[(Vec<String>, Known)]) -> Vec<Candidate> {
         let models: Vec<Option<Box<dyn Model>>> =
             sets.iter().map(|(set, _)| with_effects(self.coarse.as_ref(), set, &self.seen).ok()).collect();
         let own = self.exact.parameters().len();
+        let few = self.extremes(near);
+        let rough = Models {
+            data: &few,
+            exact: self.exact,
+            coarse: self.coarse.clone_box(),
+            observed: None,
+            seen: self.seen.clone(),
+            dear: self.dear,
+        };
         let around = |places: Vec<Place>, ratio: f64| -> Vec<Place> {
             let starts: Vec<(usize, Vec<f64>)> = places
                 .iter()
@@ -58,7 +87,7 @@ impl Models<'_> {
                 })
                 .collect();
             let looked = starts.into_par_iter().filter_map(|(set, values)| {
-                let cost = self.data.evaluate(models[set].as_deref()?, &values).ok()?.cost;
+                let cost = few.evaluate(models[set].as_deref()?, &values).ok()?.cost;
                 Some(Place { set, values, cost })
             });
             let mut all: Vec<Place> = looked.collect();
@@ -67,7 +96,7 @@ impl Models<'_> {
                 all = most_promising(all, sets.len(), of_each, of_all)
                     .into_par_iter()
                     .filter_map(|Place { set, values, .. }| {
-                        let fit = self.followed(models[set].as_deref()?, values, near, steps)?;
+                        let fit = rough.followed(models[set].as_deref()?, values, near, steps)?;
                         Some(Place { set, cost: fit.cost, values: fit.values })
                     })
                     .collect();
@@ -83,6 +112,7 @@ impl Models<'_> {
         let best = most_promising(wide, sets.len(), 1, usize::MAX);
         let leader = best.iter().take(1).map(|p| Place { values: p.values.clone(), ..*p }).collect();
         let near_leader = around(leader, NEARBY_RATIO);
+        self.data.add_work(&few);
         most_promising(near_leader.into_iter().chain(best).collect(), sets.len(), 1, usize::MAX)
             .into_par_iter()
             .filter_map(|place| {

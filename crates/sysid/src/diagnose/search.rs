@@ -88,7 +88,7 @@ impl Search<'_> {
             .iter()
             .copied()
             .reduce(|a, b| if self.tried[b].fit.cost < self.tried[a].fit.cost { b } else { a });
-        if self.models.is_worth_scattering(&self.tried[least.unwrap_or(from)]) {
+        if from == 0 && self.models.is_worth_scattering(&self.tried[least.unwrap_or(from)]) {
             fitted.extend(self.scattered(from, &fitted));
         }
         fitted
@@ -435,6 +435,43 @@ impl Search<'_> {
             .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
             .collect();
         (chosen, tied)
+    }
+
+    /// The chosen set with one of its laws in two parts, the simpler law and what makes up its departure, where that has no
+    /// more parameters: sliding friction that differs between the directions is dry friction and a constant force. It takes
+    /// the place of the chosen one if it is clearly better, and is a tie of it if it is not clearly worse. Not on a leg,
+    /// where a simulation is dear.
+    pub fn in_parts(&mut self, chosen: usize, tied: &mut Vec<usize>) -> usize {
+        let floor = self.models.data.floor;
+        let effects = self.tried[chosen].effects.clone();
+        let parts = |effect: &String| {
+            let cards = self.models.exact.effects(&self.models.seen);
+            let law = cards.into_iter().find(|c| c.id == *effect)?.becomes?;
+            let place = effect.rsplit_once('/').map_or(String::new(), |(place, _)| format!("{place}/"));
+            let (simple, beside) = (format!("{place}{}", law.id), format!("{place}{}", law.beside?));
+            let free = |id: &String| self.admitted.contains(id) && !effects.contains(id);
+            (!self.models.dear && free(&simple) && free(&beside)).then(|| (effect.clone(), simple, beside))
+        };
+        let Some((whole, simple, beside)) = effects.iter().find_map(parts) else { return chosen };
+        let rest = Candidate { effects: all_but(&effects, &whole), ..self.tried[chosen].clone() };
+        let with_simple = self.set_with(&rest, std::slice::from_ref(&simple));
+        let grown = self.index_of(&with_simple, chosen).and_then(|i| {
+            let grown = self.models.with_one_more(&self.tried[i], &beside)?;
+            let set = self.set_with(&rest, &[simple, beside]);
+            Some(self.models.reordered(grown, &set))
+        });
+        let (Some(parts), whole) = (grown, &self.tried[chosen]) else { return chosen };
+        let (better, worse) = (clearly_better(whole, &parts, floor), clearly_better(&parts, whole, floor));
+        let index = self.tried.len();
+        self.tried.push(parts);
+        match (better, worse) {
+            (true, _) => index,
+            (false, true) => chosen,
+            (false, false) => {
+                tied.push(index);
+                chosen
+            }
+        }
     }
 }
 

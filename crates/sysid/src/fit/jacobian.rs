@@ -170,6 +170,10 @@ pub(crate) fn raw(
     let columns: Vec<Vec<Vec<f64>>> = jobs
         .into_par_iter()
         .map(|(k, run)| {
+            let record = data.runs[run].record;
+            if !(0..count).any(|l| along.moves[k][l] != 0.0 && model.concerns(coordinates.free[l], record)) {
+                return Vec::new();
+            }
             // How far along the direction a move gets inside the bounds, 1 being all the way, and what comes of it.
             let shifted = |times: f64| -> Option<(f64, Prediction)> {
                 let moved: Vec<f64> =

@@ -2,9 +2,11 @@
 
 use super::coordinates::{Bound, Coordinates};
 use super::jacobian::{self, Difference, Directions, JacobianBlock};
+use super::uncertainty::AT_THE_FLOOR;
 use super::{FitOptions, KnownColumns, bend, secant};
 use crate::Error;
 use crate::data::{Data, Evaluation};
+use crate::stats;
 use nalgebra::{DMatrix, DVector};
 use sealegs_model::Model;
 use std::sync::Arc;
@@ -15,6 +17,8 @@ pub(super) struct Search {
     pub evaluation: Evaluation,
     /// Cost with the parameters' priors.
     pub cost: f64,
+    /// See [`doubt`]; it never grows on the way.
+    pub doubt: f64,
     pub steps: usize,
     pub converged: bool,
     damping: f64,
@@ -73,6 +77,9 @@ const RELATIVE: f64 = 1e-5;
 /// as good as they were: 0.5 is one standard error of a parameter.
 const SMALL: f64 = 0.5;
 
+/// Ratio of what is known's new weight to its old one down to which the end of a search stays the end.
+const SAME_DOUBT: f64 = 0.7;
+
 /// Damping does not fall below this.
 const LEAST_DAMPING: f64 = 1e-12;
 
@@ -89,11 +96,13 @@ impl Search {
         let u = coordinates.coordinates(start);
         let values = coordinates.values(&u, start);
         let evaluation = data.evaluate(model, &values)?;
-        let cost = evaluation.cost + coordinates.prior_cost(&values);
+        let doubt = doubt(&evaluation);
+        let cost = evaluation.cost + doubt * coordinates.prior_cost(&values);
         Ok(Self {
             u,
             evaluation,
             cost,
+            doubt,
             steps: 0,
             converged: coordinates.len() == 0,
             damping: 1e-3,
@@ -170,7 +179,7 @@ impl Search {
             };
             let (mut a, mut g) = jacobian::normal(&projected, &raw, &self.evaluation);
             self.last = Some((raw, projected));
-            add_priors(coordinates, &self.u, &mut a, &mut g);
+            add_priors(coordinates, &self.u, self.doubt, &mut a, &mut g);
             self.step(data, model, coordinates, &a, &g, tolerance);
         }
     }
@@ -349,7 +358,7 @@ impl Search {
     fn visit(&self, data: &Data, model: &dyn Model, coordinates: &Coordinates, u: Vec<f64>) -> Option<Place> {
         let values = coordinates.values(&u, &self.evaluation.values);
         let evaluation = data.evaluate(model, &values).ok()?;
-        let cost = evaluation.cost + coordinates.prior_cost(&values);
+        let cost = evaluation.cost + self.doubt * coordinates.prior_cost(&values);
         cost.is_finite().then_some(Place { u, evaluation, cost })
     }
 
@@ -387,16 +396,42 @@ impl Search {
             self.taken = Difference::Secant;
         }
         (self.u, self.evaluation, self.cost) = (moved, evaluation, cost);
+        let doubt = doubt(&self.evaluation);
+        if doubt < self.doubt {
+            // What is known counts less now, and steps that were not worth while may be.
+            self.converged &= doubt > SAME_DOUBT * self.doubt;
+            self.cost += (doubt - self.doubt) * coordinates.prior_cost(&self.evaluation.values);
+            self.doubt = doubt;
+        }
         Some(gained)
     }
 }
 
-/// Adds each parameter's prior row to the normal equations.
-pub(super) fn add_priors(coordinates: &Coordinates, u: &[f64], a: &mut DMatrix<f64>, g: &mut DVector<f64>) {
+/// Squares of the residual over its independent samples: by how much its variance is more than that of the stated noise, as
+/// far as a fit can tell. Where a model lacks something its residual is large and remembers, and taken for noise it would
+/// outweigh whatever is known of the parameters, which then run to their bounds in the place of what is missing. What is
+/// known counts so much more. 1 at the noise.
+fn doubt(at: &Evaluation) -> f64 {
+    if at.rms <= AT_THE_FLOOR {
+        return 1.0;
+    }
+    let samples: f64 = at.blocks.iter().map(|b| stats::independent(&b.residual)).sum();
+    let squares: f64 = at.blocks.iter().flat_map(|b| &b.residual).map(|r| r * r).sum();
+    if squares.is_finite() { (squares / samples.max(1.0)).max(1.0) } else { 1.0 }
+}
+
+/// Adds each parameter's prior row to the normal equations, so much heavier.
+pub(super) fn add_priors(
+    coordinates: &Coordinates,
+    u: &[f64],
+    weight: f64,
+    a: &mut DMatrix<f64>,
+    g: &mut DVector<f64>,
+) {
     for (k, &x) in u.iter().enumerate() {
         if let Some((row, slope)) = coordinates.prior_row(k, x) {
-            a[(k, k)] += slope * slope;
-            g[k] += slope * row;
+            a[(k, k)] += weight * slope * slope;
+            g[k] += weight * slope * row;
         }
     }
 }

@@ -4,7 +4,8 @@
 //!
 //! - every residual in noise units, the sensors' gain and bias solved inside (see [`crate::nuisance`]),
 //! - the sensors' prior rows,
-//! - for each free parameter with a stated tolerance, `(value - nominal) / prior_std`.
+//! - for each free parameter with a stated tolerance, `(value - nominal) / prior_std`, times the residual's own deviation
+//!   in noise units where that is no noise: what is known is weighed against independent samples of that size.
 //!
 //! It is minimised by Levenberg and Marquardt's method: Gauss-Newton steps, damped in proportion to each
 //! coordinate's own curvature, on the parameters that are not held at a bound. Derivatives are finite
@@ -372,11 +373,11 @@ fn describe(
     before: (u64, f64),
 ) -> Fit {
     let (raw, projected) = search.derivatives(data, model, coordinates, difference);
-    let Search { u, evaluation, cost, steps, converged, .. } = search;
+    let Search { u, evaluation, cost, doubt, steps, converged, .. } = search;
     let (mut normal, mut gradient) = jacobian::normal(&projected, &raw, &evaluation);
-    levenberg::add_priors(coordinates, &u, &mut normal, &mut gradient);
+    levenberg::add_priors(coordinates, &u, doubt, &mut normal, &mut gradient);
     let slopes: Vec<f64> = (0..u.len()).map(|k| coordinates.slope(k, u[k])).collect();
-    let spread = uncertainty::covariance(data, &evaluation, &projected, coordinates, &u, &normal);
+    let spread = uncertainty::covariance(data, &evaluation, &projected, coordinates, &u, (&normal, doubt));
     let values = evaluation.values.clone();
     let mut parameters: Vec<FittedParameter> = model
         .parameters()

@@ -19,16 +19,16 @@ pub(super) struct Spread {
 const STRETCHES: usize = 16;
 
 /// A residual below this, in noise units, is taken for noise.
-const AT_THE_FLOOR: f64 = 1.1;
+pub(super) const AT_THE_FLOOR: f64 = 1.1;
 
-/// Covariance of the free parameters' values.
+/// Covariance of the free parameters' values. In `normal`, the curvature of the cost, priors count `doubt` times.
 pub(super) fn covariance(
     data: &Data,
     at: &Evaluation,
     projected: &[JacobianBlock],
     coordinates: &Coordinates,
     u: &[f64],
-    normal: &DMatrix<f64>,
+    (normal, doubt): (&DMatrix<f64>, f64),
 ) -> Spread {
     let n = u.len();
     let slopes: Vec<f64> = (0..n).map(|k| coordinates.slope(k, u[k])).collect();
@@ -52,6 +52,7 @@ pub(super) fn covariance(
         // Priors and bounds scatter as they say; the data as they show.
         let from_data = scatter(data, at, projected, n);
         let mut middle = &regular - gram(projected, n);
+        middle *= doubt;
         middle += from_data;
         let sandwich = &inverse * middle * &inverse;
         for k in 0..n {

@@ -43,6 +43,8 @@ impl RunSums {
 pub struct Sensor {
     /// The channel.
     pub channel: String,
+    /// The unit whose sensor it is, where a campaign has several.
+    pub unit: Option<String>,
     /// Measured per true.
     pub gain: f64,
     /// Standard error of the gain for given model parameters and white noise; 0 if it is fixed.
@@ -150,6 +152,7 @@ pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, 
     };
     Sensor {
         channel: channel.to_owned(),
+        unit: None,
         gain: 1.0 + solution[0],
         gain_std,
         gain_at_limit: at_limit,
