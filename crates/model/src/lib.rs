@@ -13,11 +13,13 @@
 
 mod channel;
 mod effect;
+mod law;
 mod parameter;
 mod record;
 
 pub use channel::{Unit, UnknownUnit};
 pub use effect::{EffectCard, Excitation, SignalRange, SimplerLaw};
+pub use law::{Curve, Factor, Law, Over};
 pub use parameter::{Parameter, Scale};
 pub use record::{InputHold, Prediction, Record, Signal, internal};
 
@@ -83,6 +85,12 @@ pub trait Model: fmt::Debug + Send + Sync {
         self.predict(values, record, channels)
     }
 
+    /// Whether the prediction of a record can depend on a parameter, by its place among [`Model::parameters`]. Derivatives
+    /// that must be zero are then not simulated.
+    fn concerns(&self, _parameter: usize, _record: &Record) -> bool {
+        true
+    }
+
     /// Runs that could be made on the rig, where an experiment is no input to play but a run of the rig's own: each
     /// record's name says what to do, and [`Model::predict`] knows it by that name.
     fn experiments(&self) -> Vec<Record> {
@@ -101,6 +109,12 @@ pub trait Model: fmt::Debug + Send + Sync {
     /// parameters, and their internal signals `missing.PORT` ([`internal::MISSING`]) are the forces that the
     /// model lacks. `None` if the records measure no motion that this model could be pulled to.
     fn observing(&self, _records: &[&Record]) -> Option<Box<dyn Model>> {
+        None
+    }
+
+    /// A copy that could have one more effect: a law that was read off a missing signal, under the id
+    /// [`Law::effect`]. `None` if it has no place for such a law.
+    fn knowing(&self, _law: &Law) -> Option<Box<dyn Model>> {
         None
     }
 

@@ -1,7 +1,7 @@
 //! A model whose simulations can be stopped from another thread; otherwise it is the model inside, to the last bit.
 
 use crate::{Error, Options, Result, Stop};
-use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter, Prediction, Record};
+use sealegs_model::{EffectCard, Excitation, Law, Model, ModelError, Parameter, Prediction, Record};
 
 /// The model of work that [`Stop`] ends: then no simulation is begun, and every prediction is an error.
 #[derive(Debug)]
@@ -62,6 +62,10 @@ impl Model for Stoppable {
         self.inner.predict(values, record, channels)
     }
 
+    fn concerns(&self, parameter: usize, record: &Record) -> bool {
+        self.inner.concerns(parameter, record)
+    }
+
     fn experiments(&self) -> Vec<Record> {
         self.inner.experiments()
     }
@@ -72,6 +76,10 @@ impl Model for Stoppable {
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
         self.inner.observing(records).map(|model| self.around(model))
+    }
+
+    fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {
+        self.inner.knowing(law).map(|model| self.around(model))
     }
 
     fn clone_box(&self) -> Box<dyn Model> {

@@ -27,12 +27,12 @@ pub use pendulum::PendulumRig;
 pub use run::{RunSetup, start_of};
 pub use sensor::{Recording, Sensor, record};
 
-use crate::effect::{CATALOGUE, Effect, Setting, embedded, ids};
+use crate::effect::{CATALOGUE, Effect, OwnEffect, Setting, embedded, ids};
 use crate::plant::{Feed, Grid, Link, Plant, Trace, mean_per_step};
 use crate::spec::{EffectSpec, EffectValue, narrowed};
 use crate::text::nearest;
 use crate::{ActuatorError, ActuatorSpec, Configuration};
-use sealegs_model::{EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record};
+use sealegs_model::{EffectCard, Excitation, InputHold, Law, Model, ModelError, Parameter, Prediction, Record};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -514,6 +514,14 @@ impl Model for BenchModel {
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
         let observed = observed::Observed::of(records, self.spec.is_rigid())?;
         Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
+    }
+
+    fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {
+        let mut model = self.clone();
+        model.own.push(Arc::new(OwnEffect::of_law(law).ok()?));
+        let setting = model.setting(&Excitation::default());
+        let known = model.candidates(&setting).iter().any(|(id, _)| *id == law.effect());
+        known.then(|| Box::new(model) as Box<dyn Model>)
     }
 
     fn clone_box(&self) -> Box<dyn Model> {

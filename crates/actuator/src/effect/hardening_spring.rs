@@ -49,7 +49,7 @@ struct Cubic {
 }
 
 impl SpringForce for Cubic {
-    fn force(&self, delta: f64, _delta_dot: f64) -> f64 {
+    fn force(&self, delta: f64, _delta_dot: f64, _t: f64) -> f64 {
         self.cubic * delta * delta * delta
     }
 }
@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn analytic_is_odd() {
         let law = Cubic { cubic: 2e9 };
-        assert!((law.force(1e-3, 0.0) - 2.0).abs() < 1e-12);
-        assert!((law.force(-1e-3, 0.0) + 2.0).abs() < 1e-12);
+        assert!((law.force(1e-3, 0.0, 0.0) - 2.0).abs() < 1e-12);
+        assert!((law.force(-1e-3, 0.0, 0.0) + 2.0).abs() < 1e-12);
     }
 }

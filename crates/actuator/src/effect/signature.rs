@@ -240,8 +240,8 @@ impl Pair<'_> {
             }
             // The second time around: the loop is closed.
             if i >= POINTS {
-                whole.push((delta, self.with.spring_force(delta, delta_dot) + f));
-                plain.push((delta, self.without.spring_force(delta, delta_dot)));
+                whole.push((delta, self.with.spring_force(delta, delta_dot, 0.0) + f));
+                plain.push((delta, self.without.spring_force(delta, delta_dot, 0.0)));
             }
         }
         let x = ("deflection", self.length_unit());

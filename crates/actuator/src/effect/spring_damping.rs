@@ -48,6 +48,6 @@ mod tests {
     fn analytic_adds_to_the_plant() {
         let mut plant = Plant::new(1.0, 0.1, 0.0, 1e3);
         SpringDamping.install(&[7.0], None, &mut plant);
-        assert_eq!(plant.spring_force(0.0, 2.0), 14.0);
+        assert_eq!(plant.spring_force(0.0, 2.0, 0.0), 14.0);
     }
 }

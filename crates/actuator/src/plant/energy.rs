@@ -78,7 +78,7 @@ impl Plant {
         let row: [f64; N] = std::array::from_fn(|i| linear.deflection[i]);
         let delta = dot(&row, q);
         if !(self.laws.spring_path.is_empty() && self.laws.spring_forces.is_empty()) {
-            stored += self.spring_energy(delta) - 0.5 * self.stiffness * delta * delta;
+            stored += self.spring_energy(delta, state.time_s) - 0.5 * self.stiffness * delta * delta;
         }
         for (element, force) in
             [(self.laws.rotor_presliding, state.presliding), (self.laws.spring_slip, state.spring_slip)]
@@ -100,7 +100,7 @@ impl Plant {
         (kinetic, stored)
     }
 
-    fn spring_energy(&self, delta: f64) -> f64 {
+    fn spring_energy(&self, delta: f64, t: f64) -> f64 {
         const PARTS: usize = 256;
         let width = delta / PARTS as f64;
         let weight = |i: usize| match i {
@@ -108,6 +108,6 @@ impl Plant {
             i if i % 2 == 1 => 4.0,
             _ => 2.0,
         };
-        (0..=PARTS).map(|i| weight(i) * self.spring_force(width * i as f64, 0.0)).sum::<f64>() * width / 3.0
+        (0..=PARTS).map(|i| weight(i) * self.spring_force(width * i as f64, 0.0, t)).sum::<f64>() * width / 3.0
     }
 }

@@ -56,16 +56,16 @@ impl Laws {
     }
 
     /// The force of a spring of `stiffness` (N/m) without its slipping element, N, at deflection `delta` (m) and
-    /// its rate (m/s), positive in compression. Within play there is none, damping included: the damper works
+    /// its rate (m/s) and time `t` (s), positive in compression. Within play there is none, damping included: the damper works
     /// where the spring does.
     #[must_use]
     #[inline]
-    pub fn spring_force(&self, stiffness: f64, delta: f64, delta_dot: f64) -> f64 {
+    pub fn spring_force(&self, stiffness: f64, delta: f64, delta_dot: f64, t: f64) -> f64 {
         let left = self.spring_left(delta);
         if left == 0.0 && !self.spring_path.is_empty() {
             return 0.0;
         }
-        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot)).sum();
+        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot, t)).sum();
         stiffness * left + self.spring_damping * delta_dot + beside
     }
 
@@ -74,9 +74,9 @@ impl Laws {
     /// instant of the contact is not rounded to the step.
     #[must_use]
     #[inline]
-    pub fn spring_force_over(&self, stiffness: f64, delta: f64, delta_dot: f64, moving: f64) -> f64 {
+    pub fn spring_force_over(&self, stiffness: f64, delta: f64, (delta_dot, moving): (f64, f64), t: f64) -> f64 {
         if self.spring_path.is_empty() {
-            return self.spring_force(stiffness, delta, delta_dot);
+            return self.spring_force(stiffness, delta, delta_dot, t);
         }
         // As a departure from the whole deflection: without play it vanishes to the last bit.
         let (mut play, mut in_contact) = (0.0, 0.0);
@@ -90,18 +90,18 @@ impl Laws {
         if in_contact == 0.0 {
             return 0.0;
         }
-        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot)).sum();
+        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot, t)).sum();
         stiffness * left + in_contact * self.spring_damping * delta_dot + beside
     }
 
     /// [`Laws::spring_force`] beyond the linear law, without the damper's share.
     #[inline]
-    pub(super) fn spring_force_beside(&self, stiffness: f64, delta: f64, delta_dot: f64) -> f64 {
+    pub(super) fn spring_force_beside(&self, stiffness: f64, delta: f64, delta_dot: f64, t: f64) -> f64 {
         let left = self.spring_left(delta);
         if left == 0.0 && !self.spring_path.is_empty() {
             return -stiffness * delta;
         }
-        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot)).sum();
+        let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot, t)).sum();
         stiffness * (left - delta) + beside
     }
 
@@ -137,11 +137,11 @@ mod tests {
         let laws = Laws { spring_path: vec![Box::new(Play)], ..Laws::default() };
         let (k, v, h) = (1e5, 0.5, 2e-3);
         // From 0.8 to 1.8 mm: the mean of k (d - 1 mm) over the part beyond 1 mm, k 0.8^2 / (2 * 1) N.
-        let mean = laws.spring_force_over(k, 1.3e-3, v, v * h);
+        let mean = laws.spring_force_over(k, 1.3e-3, (v, v * h), 0.0);
         assert!((mean - k * 1e-3 * 0.32).abs() < 0.005 * mean, "{mean}");
         // Within the play there is none, and far from its ends the mean is the law itself.
-        assert_eq!(laws.spring_force_over(k, 0.0, v, v * h), 0.0);
-        let beyond = laws.spring_force_over(k, 4e-3, v, v * h);
+        assert_eq!(laws.spring_force_over(k, 0.0, (v, v * h), 0.0), 0.0);
+        let beyond = laws.spring_force_over(k, 4e-3, (v, v * h), 0.0);
         assert!((beyond - k * 3e-3).abs() < 1e-9 * beyond, "{beyond}");
     }
 }

@@ -110,7 +110,7 @@ impl Plant {
 
     /// The spring's force beyond its linear law, damping included.
     fn departure(&self, delta: f64, rate: f64) -> f64 {
-        self.spring_force(delta, rate) - self.stiffness * delta - self.laws.spring_damping * rate
+        self.spring_force(delta, rate, 0.0) - self.stiffness * delta - self.laws.spring_damping * rate
     }
 
     /// All smooth forces on the coordinates beside the linear part.
@@ -121,7 +121,7 @@ impl Plant {
         for i in 0..MOST {
             forces[i] -= linear.deflection[i] * departure;
         }
-        let load = self.spring_force(delta, rate);
+        let load = self.spring_force(delta, rate, 0.0);
         forces[0] += self.motor_force(command, v[0]);
         forces[0] += self.laws.rotor_force(q[0], v[0], load, 0.0);
         let output = linear.coordinates.link_2.or(self.rigid.map(|_| 0));

@@ -213,8 +213,8 @@ impl Plant {
     /// The force of the spring without its slipping element, N; see [`Laws::spring_force`].
     #[must_use]
     #[inline]
-    pub fn spring_force(&self, delta: f64, delta_dot: f64) -> f64 {
-        self.laws.spring_force(self.stiffness, delta, delta_dot)
+    pub fn spring_force(&self, delta: f64, delta_dot: f64, t: f64) -> f64 {
+        self.laws.spring_force(self.stiffness, delta, delta_dot, t)
     }
 
     /// The motion and forces from rest under the mean `commands` (one per step of `grid`, in the

@@ -71,8 +71,8 @@ pub trait SpringPath: Debug + Send + Sync {
 
 /// A force beside the linear spring, positive in compression.
 pub trait SpringForce: Debug + Send + Sync {
-    /// The force (N) at deflection `delta` (m) and its rate `delta_dot` (m/s).
-    fn force(&self, delta: f64, delta_dot: f64) -> f64;
+    /// The force (N) at deflection `delta` (m), its rate `delta_dot` (m/s) and time `t` (s).
+    fn force(&self, delta: f64, delta_dot: f64, t: f64) -> f64;
 }
 
 /// What a sensor, or the structure in front of it, does to the signal that it measures.

@@ -14,8 +14,11 @@ use std::time::Instant;
 #[derive(Args)]
 pub struct Add {
     /// The effect's id, or the file of your own effect; several, or `a+b`, are fitted together
-    #[arg(required = true)]
+    #[arg(required_unless_present = "law")]
     effect: Vec<String>,
+    /// The file of a law that `diagnose --law` wrote, as if it were named among the effects
+    #[arg(long, value_name = "LAW.toml")]
+    law: Vec<PathBuf>,
     /// The model: an actuator file, for a leg a scenario file, or a preset
     #[arg(long = "to", value_name = "MODEL.toml")]
     model: PathBuf,
@@ -44,7 +47,9 @@ pub struct Add {
 /// written or nothing can be simulated.
 pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     let started = Instant::now();
-    let (effects, _) = named(&arguments.effect)?;
+    let laws = arguments.law.iter().map(|path| path.display().to_string());
+    let asked: Vec<String> = arguments.effect.iter().cloned().chain(laws).collect();
+    let (effects, _) = named(&asked)?;
     let campaign = kind::campaign(&arguments.campaign)?;
     let output = Destination::new(&arguments.output)?;
     let json = Destination::optional(arguments.json.as_ref())?;
@@ -60,7 +65,7 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     );
     let options =
         Options::new().model(arguments.model.as_path()).command(command).on_progress(progress::on(&bar));
-    let addition = sealegs::add(&arguments.effect, &campaign, options);
+    let addition = sealegs::add(&asked, &campaign, options);
     bar.finish_and_clear();
     let addition = addition?;
 

@@ -34,6 +34,9 @@ pub struct Diagnose {
     /// Write the next experiment as a file that can be played: an input's CSV, or a leg's scenario
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
+    /// Where no known effect explains everything, write the curve that does as an effect's file for `add`
+    #[arg(long, value_name = "LAW.toml")]
+    law: Option<PathBuf>,
 }
 
 /// Runs the verb.
@@ -49,6 +52,7 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let report = Destination::optional(arguments.report.as_ref())?;
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
     let plan_file = Destination::optional(arguments.plan.as_ref())?;
+    let law_file = Destination::optional(arguments.law.as_ref())?;
 
     let bar = progress::spinner();
     let options = Options::new()
@@ -73,11 +77,16 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
             destination.write(text.as_bytes())?;
         }
     }
+    if let Some(destination) = law_file
+        && let Some(text) = diagnosis.law_file()?
+    {
+        destination.write(text.as_bytes())?;
+    }
     if let Some(destination) = json {
         destination.write((diagnosis.to_json()? + "\n").as_bytes())?;
     }
     let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
-    if ![&arguments.json, &arguments.plan, &arguments.report].into_iter().any(to_stdout) {
+    if ![&arguments.json, &arguments.plan, &arguments.law, &arguments.report].into_iter().any(to_stdout) {
         write!(std::io::stdout().lock(), "{}", diagnosis.to_text())?;
     }
     Ok(0)

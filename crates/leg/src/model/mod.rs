@@ -18,9 +18,9 @@ use crate::error::nearest;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::simulation::load_robot;
-use sealegs_actuator::effect::Effect;
+use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
-use sealegs_model::{EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record};
+use sealegs_model::{EffectCard, Excitation, InputHold, Law, Model, ModelError, Parameter, Prediction, Record};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -373,6 +373,13 @@ impl Model for LegModel {
 
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
         Box::new(Self { steps_per_sample: Some(steps_per_sample), ..self.clone() })
+    }
+
+    fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {
+        let mut model = self.clone();
+        model.own.push(Arc::new(OwnEffect::of_law(law).ok()?));
+        let known = effect::candidates(&self.everything(), &model.own);
+        known.iter().any(|(card, _)| card.id == law.effect()).then(|| Box::new(model) as Box<dyn Model>)
     }
 
     fn clone_box(&self) -> Box<dyn Model> {

@@ -196,9 +196,8 @@ pub fn named<E: AsRef<str>>(asked: &[E]) -> Result<(Vec<String>, Vec<PathBuf>)> 
         for part in parts {
             let path = Path::new(part);
             let id = if path.is_file() {
-                let effect = OwnEffect::load(path)?;
                 own.push(path.to_owned());
-                effect.table().get("id").and_then(|id| id.as_str()).unwrap_or_default().to_owned()
+                OwnEffect::load(path)?.included_id()
             } else if part.ends_with(".toml") {
                 return Err(bad(part, "names no such file"));
             } else {
@@ -251,6 +250,7 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
         missing_signals: Vec::new(),
         missing_after: Vec::new(),
         missing_force: added.force.as_ref().map(ForceSaid::of),
+        law: None,
         ranking: vec![Ranked {
             effects: added.effects.clone(),
             holdout_error: after.holdout_error,

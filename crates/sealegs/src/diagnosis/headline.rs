@@ -32,6 +32,11 @@ pub(super) fn sentence(o: &Outcome) -> String {
         "missing-effect" => format!("Missing: {set}"),
         "partly-explained" => format!("Partly explained by {set}"),
         "added" => format!("Added: {set}"),
+        _ if o.law.is_some() => format!(
+            "Not explained by any known effect: something at {} that depends on {}",
+            o.law.as_ref().map_or("", |l| &l.port),
+            o.law.as_ref().map_or("", |l| &l.depends_on)
+        ),
         _ => match o.missing_signals.first().filter(|m| m.explained > 0.0) {
             Some(m) => format!(
                 "Not explained by any known effect: something at {} that depends on {}",
@@ -172,7 +177,14 @@ fn next(o: &Outcome, command: &str) -> Vec<String> {
             campaign_of(command)
         ));
     }
-    if o.verdict == "unexplained" {
+    if let Some(law) = &o.law {
+        lines.push(law.sentence());
+        lines.push("$ sealegs diagnose CAMPAIGN --law law.toml".replace("CAMPAIGN", campaign_of(command)));
+        lines.push(format!(
+            "$ sealegs add law.toml --to MODEL.toml --campaign {} -o better.toml",
+            campaign_of(command)
+        ));
+    } else if o.verdict == "unexplained" {
         lines.push(
             "Describe the missing force yourself: an effect as an expression, given with --effect."
                 .to_owned(),
@@ -335,6 +347,7 @@ mod tests {
                 explained_by_law: Some(0.97),
                 branches: vec![branch],
             }),
+            law: None,
             ranking: vec![Ranked {
                 effects: vec!["knee/torque-ripple".to_owned()],
                 holdout_error: 6.3,

@@ -1,6 +1,7 @@
 //! A diagnosis in the data contract's words: what `--json` writes and what text and report print.
 
 use super::confidence::Confidence;
+use super::law::LawSaid;
 use super::sentence::sentence;
 use sealegs_model::Unit;
 use sealegs_sysid::diagnose::{Candidate, Diagnosis, Judged, MissingForce, OpenChoice, Port, VerdictKind};
@@ -45,6 +46,8 @@ pub struct Outcome {
     /// runs measure no motion that could be followed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missing_force: Option<ForceSaid>,
+    /// A curve that takes what no known effect takes, where something is left and one helps.
+    pub law: Option<LawSaid>,
     /// Sets by their prediction of left-out stretches, best first.
     pub ranking: Vec<Ranked>,
     /// Which experiment would tell more.
@@ -462,9 +465,10 @@ impl Outcome {
             missing_force: diagnosis
                 .force
                 .as_ref()
-                .filter(|_| named)
+                .filter(|_| named || verdict.law.is_some())
                 .map(ForceSaid::of)
                 .or_else(|| ForceSaid::of_ports(&diagnosis.ports)),
+            law: LawSaid::of(diagnosis),
             ranking: verdict
                 .ranking
                 .iter()

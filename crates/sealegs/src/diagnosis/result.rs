@@ -120,6 +120,15 @@ impl Diagnosis {
         self.experiment.as_ref().map_or(Ok(None), |experiment| self.model.plan(experiment, folder))
     }
 
+    /// The file of the law beyond the catalogue, an effect that `add` takes. None where there is none that helps.
+    ///
+    /// # Errors
+    ///
+    /// None for what a diagnosis holds.
+    pub fn law_file(&self) -> Result<Option<String>> {
+        self.outcome.law.as_ref().map(|law| law.file(&self.outcome.campaign)).transpose()
+    }
+
     /// The numbers as JSON, indented, with the keys of the data contract.
     ///
     /// # Errors

@@ -28,6 +28,7 @@ pub(super) fn sentence(o: &Outcome) -> String {
     let base = said(o.base.holdout_error);
     let pictured = o.worst_channel().filter(|_| o.base.holdout_error >= FAR);
     let pictured = pictured.map_or_else(String::new, |w| format!(" Root mean square, held-out: {w}."));
+    let law = o.law.as_ref().map_or_else(String::new, |law| format!(" Beyond the catalogue: {}", law.sentence()));
     match (o.verdict, &o.after) {
         ("adequate", _) => format!(
             "Nothing is missing: with its own parameters refitted, the base model is at the noise floor on the held-out \
@@ -42,13 +43,13 @@ pub(super) fn sentence(o: &Outcome) -> String {
         ),
         ("partly-explained", Some(after)) => format!(
             "Partly explained: {set} takes the error on the held-out runs from {base} to {} noise units, but {} of the \
-             energy above the floor ({floor:.2}) stays and has structure.{pictured}",
+             energy above the floor ({floor:.2}) stays and has structure.{pictured}{law}",
             said(after.holdout_error),
             percent(o.unexplained_share)
         ),
         _ => format!(
             "Unexplained: the base model misses the held-out runs by {base} noise units (floor {floor:.2}), and no known \
-             effect, alone or with others, explains that.{pictured}"
+             effect, alone or with others, explains that.{pictured}{law}"
         ),
     }
 }

@@ -1,7 +1,7 @@
 //! What a missing signal depends on: free-form curves over signals of the run, each one linear regression, judged on
 //! blocks of the fit runs that are left out one at a time.
 //!
-//! A curve is a sum of hat functions with knots at quantiles, of harmonics of the rotor's angle, of play operators
+//! A curve is a sum of hat functions with half of the knots at quantiles, of harmonics of the rotor's angle, of play operators
 //! (Prandtl and Ishlinskii; Brokate and Sprekels 1996), or of the command's past. What wrong parameters of the
 //! base model could do in its place is regressed along with it and counts for none of it.
 
@@ -40,6 +40,10 @@ pub struct Curve {
     pub y: Vec<f64>,
     /// One standard error of it.
     pub std: Vec<f64>,
+    /// Its points, between which it is straight: abscissas and ordinates, without the step.
+    pub points: (Vec<f64>, Vec<f64>),
+    /// What is added times the sign of the abscissa, in the port's unit; 0 where the form has no such step.
+    pub step: f64,
 }
 
 /// One dependence of a missing signal.
@@ -312,13 +316,20 @@ fn play(input: &[f64], width: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Knots at quantiles, each once.
+/// Knots, each once: half of them at quantiles, where the samples are, half of them even, as what bends only far out (a sensor
+/// at its range, a spring beyond a stop) has few samples there.
 fn quantiles(x: &[f64], knots: usize) -> Vec<f64> {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);
     let last = sorted.len() - 1;
-    let mut at: Vec<f64> = (0..knots).map(|k| sorted[k * last / (knots - 1)]).collect();
-    let apart = 1e-3 * (sorted[last] - sorted[0]);
+    // The ends are in both halves.
+    let dense = knots / 2 + 1;
+    let even = knots - dense + 2;
+    let along = |k: usize| k as f64 / (even - 1) as f64;
+    let mut at: Vec<f64> = (0..dense).map(|k| sorted[k * last / (dense - 1)]).collect();
+    at.extend((0..even).map(|k| sorted[0] + along(k) * (sorted[last] - sorted[0])));
+    at.sort_by(f64::total_cmp);
+    let apart = 1e-2 * (sorted[last] - sorted[0]);
     at.dedup_by(|b, a| *b - *a <= apart);
     at
 }
@@ -434,6 +445,8 @@ fn curve(form: &Form, knots: &[f64], base: &[Vec<f64>], target: &[f64]) -> Curve
         y: (0..DRAWN).map(value).collect(),
         std: (0..DRAWN).map(error).collect(),
         x: at,
+        points: (knots.to_vec(), x.as_slice()[base.len()..base.len() + knots.len()].to_vec()),
+        step: if extra > 0 { x[n - 1] } else { 0.0 },
     }
 }
 

@@ -57,6 +57,19 @@ pub struct Judged {
     pub evidence: f64,
 }
 
+/// A curve beyond the catalogue, judged (see [`Found::laws`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct LawJudged {
+    /// Which of them.
+    pub which: usize,
+    /// Root mean square residual of the holdout runs with it, in noise units.
+    pub holdout_error: f64,
+    /// The same of the fit runs.
+    pub fit_error: f64,
+    /// Share of the energy above the floor that it takes on the holdout runs of what the set beside it leaves.
+    pub explained: f64,
+}
+
 /// A step of the ladder from the base model to the named set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
@@ -97,6 +110,8 @@ pub struct Verdict {
     pub unexplained_share: f64,
     /// What is left and not explained, in sentences; empty where nothing is.
     pub remainder: Vec<String>,
+    /// What the curve beyond the catalogue leaves, where there is one that helps.
+    pub law: Option<LawJudged>,
     /// All sets worth showing, best first.
     pub ranking: Vec<Judged>,
 }
@@ -164,6 +179,17 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
         };
         indices.iter().filter(of_size).map(|&i| found.tried[i].effects.clone()).collect()
     };
+    let named = if says { index } else { 0 };
+    let law = match found.laws.iter().position(|law| law.beside == named) {
+        Some(which) => {
+            let with = &found.laws[which].with;
+            let (rms, without) = (with.held_out(holdout)?.rms, held_out(named)?.rms);
+            let explained = 1.0 - excess(rms, floor) / excess(without, floor).max(f64::MIN_POSITIVE);
+            let judged = LawJudged { which, holdout_error: rms, fit_error: with.fit.error(), explained };
+            (explained >= WORTH_NAMING).then_some(judged)
+        }
+        None => None,
+    };
     let (tied, same) = if says { (sets(&found.tied), sets(&found.same)) } else { Default::default() };
     Ok(Verdict {
         kind,
@@ -179,6 +205,7 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
         after_holdout,
         unexplained_share: if says { share } else { 1.0 },
         remainder,
+        law,
         ranking: ranking.into_iter().flatten().collect(),
     })
 }

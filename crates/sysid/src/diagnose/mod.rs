@@ -3,8 +3,8 @@
 //! The walk, a stage a file; none looks back. The base model is refitted first (`refine`), so that a wrong value is never
 //! taken for a missing effect. An observer shows what is missing at each port (`missing`) and what that depends on
 //! (`dependence`). Effects are regressed on it ([`screen`]()), the promising sets fitted ([`Models`]), compared and
-//! exchanged on stretches of the fit runs (`search`). Then, and only then, the holdout runs are read, and judge once
-//! (`judge`).
+//! exchanged on stretches of the fit runs (`search`). Where they leave something, a curve at the port that lacks it is fitted
+//! as any effect (`free_form`). Then, and only then, the holdout runs are read, and judge once (`judge`).
 
 mod adapt;
 mod candidate;
@@ -14,6 +14,7 @@ mod count;
 mod dependence;
 mod excitations;
 mod experiment;
+mod free_form;
 mod judge;
 mod missing;
 mod nested;
@@ -32,7 +33,8 @@ pub use conventions::OpenChoice;
 pub use count::fit_holding;
 pub use dependence::{Curve, Dependence};
 pub use experiment::{Experiment, Limits, Play, next_experiment};
-pub use judge::{Judged, Rung, Verdict, VerdictKind};
+pub use free_form::FreeForm;
+pub use judge::{Judged, LawJudged, Rung, Verdict, VerdictKind};
 pub use missing::{Missing, Port};
 pub use nested::DEPARTURE;
 pub use picture::{Bin, Branch, MissingForce, missing_force};
@@ -82,6 +84,8 @@ pub struct Found {
     pub open: Vec<OpenChoice>,
     /// What screening promised of each effect beside the base model.
     pub promises: Vec<Promise>,
+    /// Curves at a port that take what no known effect takes, where something is left: beside the chosen set, or alone.
+    pub laws: Vec<FreeForm>,
     /// How the base model predicts what was left out, as exactly as the search was: what the sets that were not
     /// fitted again compare with.
     pub base_as_searched: Validation,
@@ -134,15 +138,21 @@ pub fn diagnose(
     let first = models.base()?;
     progress(Progress::Looking);
     let ports = missing::look(&models, &first);
-    let (found, models) = search(models, first, progress);
+    let (mut found, models) = search(models, first, progress);
     let chosen = &found.tried[found.chosen];
     let ports_after = if chosen.fit.error() > policy::NEAR_FLOOR * data.floor {
         missing::look(&models, chosen)
     } else {
         Vec::new()
     };
+    found.laws = free_form::look(&models, &mut found, &ports, &ports_after);
+    let chosen = &found.tried[found.chosen];
     // The set that is named may lack a trace of the chosen one: that is not seen at a port.
-    let force = if chosen.effects.is_empty() { None } else { missing_force(&models, chosen, &ports) };
+    let force = match found.laws.first() {
+        Some(law) if chosen.effects.is_empty() => law.force.clone(),
+        _ if chosen.effects.is_empty() => None,
+        _ => missing_force(&models, chosen, &ports),
+    };
     let seen = models.seen;
     progress(Progress::Judging);
     let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
@@ -213,5 +223,5 @@ fn search<'a>(
         }
     }
     let open = models.open_choices(&settled, &others, &tried[chosen]);
-    (Found { tried, chosen, tied, same, open, promises, base_as_searched }, models)
+    (Found { tried, chosen, tied, same, open, promises, laws: Vec::new(), base_as_searched }, models)
 }

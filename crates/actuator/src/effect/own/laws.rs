@@ -36,7 +36,7 @@ pub(super) struct BesideSpring {
 }
 
 impl SpringForce for BesideSpring {
-    fn force(&self, delta: f64, delta_dot: f64) -> f64 {
+    fn force(&self, delta: f64, delta_dot: f64, _t: f64) -> f64 {
         self.law.value(&[delta, delta_dot, self.stiffness * delta])
     }
 }

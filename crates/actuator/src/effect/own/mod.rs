@@ -13,6 +13,19 @@
 //!
 //! `summary`, `told-apart` and `cure` are texts for the effect's card, and may be left out.
 //!
+//! In place of a law and its parameters there may be a `[curve]` ([`sealegs_model::Law`]), as a diagnosis writes it that no
+//! effect of the catalogue explains:
+//!
+//! ```toml
+//! id = "unknown-at-spring"
+//! acts-on = "spring"                    # also rotor | drive | output | sensor/force_1_n
+//!
+//! [curve]
+//! over = "deflection"                   # what else: each place's own signals, see the message for another one
+//! x = [-1e-3, 0.0, 1e-3]
+//! y = [-30.0, 0.0, 80.0]
+//! ```
+//!
 //! What the law gives, and of what (SI; for a rotary actuator N m and rad stand for N and m):
 //!
 //! | `acts-on` | the law is | variables |
@@ -27,6 +40,7 @@
 //! A law is applied as a smooth force. A `sign(y_dot)` switches from step to step and does not hold at rest as the
 //! catalogue's dry friction does: `tanh(y_dot/v0)` with a small `v0` creeps but is well behaved.
 
+mod curve;
 mod expression;
 mod laws;
 
@@ -42,8 +56,9 @@ use super::{CATALOGUE, Effect};
 use crate::ActuatorError;
 use crate::plant::{Link, Plant};
 use crate::text::{line_of, parse_toml};
+use curve::OnCurve;
 use laws::{BesideSpring, InDrive, OnOutput, OnRotor};
-use sealegs_model::{EffectCard, Parameter};
+use sealegs_model::{Curve, EffectCard, Law, Parameter};
 
 /// Most parameters of one law.
 const MOST_PARAMETERS: usize = 16;
@@ -90,6 +105,20 @@ struct File {
     cure: Option<String>,
 }
 
+/// A file whose law is a curve.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct CurveFile {
+    id: String,
+    /// Where on a leg `add` puts it.
+    place: Option<String>,
+    acts_on: String,
+    curve: Curve,
+    summary: Option<String>,
+    told_apart: Option<String>,
+    cure: Option<String>,
+}
+
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ParameterFile {
@@ -109,12 +138,27 @@ pub struct OwnEffect {
     summary: String,
     told_apart: String,
     cure: String,
-    place: Place,
-    law: String,
-    expression: Expression,
+    law: OwnLaw,
     parameters: Vec<Parameter>,
     definition: toml::Table,
     origin: String,
+}
+
+/// What the effect does.
+#[derive(Debug, Clone)]
+enum OwnLaw {
+    /// What an expression gives.
+    Expression(Written),
+    /// What a curve gives.
+    Curve(OnCurve),
+}
+
+/// An expression at its place.
+#[derive(Debug, Clone)]
+struct Written {
+    place: Place,
+    text: String,
+    expression: Expression,
 }
 
 impl OwnEffect {
@@ -127,8 +171,12 @@ impl OwnEffect {
     /// not finite, or one that has no neutral values.
     pub fn from_toml(text: &str, file: &str) -> Result<Self, ActuatorError> {
         let definition: toml::Table = parse_toml(text, file)?;
-        let parsed: File = parse_toml(text, file)?;
-        Self::new(parsed, definition, file).map_err(|error| match error {
+        let new = if definition.contains_key("curve") {
+            Self::of_curve(parse_toml(text, file)?, definition, file)
+        } else {
+            Self::new(parse_toml(text, file)?, definition, file)
+        };
+        new.map_err(|error| match error {
             ActuatorError::Syntax { file, column, message, suggestion, .. } => {
                 let (line, before) = law_place(text);
                 ActuatorError::Syntax { file, line, column: before + column, message, suggestion }
@@ -167,6 +215,33 @@ impl OwnEffect {
         Self::from_toml(&text, origin)
     }
 
+    /// An effect of a law that was read off a missing signal.
+    ///
+    /// # Errors
+    ///
+    /// [`ActuatorError::Value`] for a law that no place of an actuator can carry.
+    pub fn of_law(law: &Law) -> Result<Self, ActuatorError> {
+        Self::from_definition(&curve::definition(law)?, &law.id)
+    }
+
+    fn of_curve(file: CurveFile, definition: toml::Table, origin: &str) -> Result<Self, ActuatorError> {
+        check_id(&file.id)?;
+        if let Some(place) = file.place.filter(|p| p.is_empty() || p.contains('/')) {
+            return Err(ActuatorError::value("place", place, "the name of an actuator or a joint"));
+        }
+        let law = OnCurve::new(&file.acts_on, file.curve)?;
+        Ok(Self {
+            id: file.id,
+            summary: file.summary.unwrap_or_else(|| "A curve that was read off a missing signal.".to_owned()),
+            told_apart: file.told_apart.unwrap_or_else(|| "By its curve alone.".to_owned()),
+            cure: file.cure.unwrap_or_else(|| "Find what it stands for; until then compensate for the curve.".to_owned()),
+            parameters: law.parameters(),
+            law: OwnLaw::Curve(law),
+            definition,
+            origin: origin.to_owned(),
+        })
+    }
+
     fn new(file: File, definition: toml::Table, origin: &str) -> Result<Self, ActuatorError> {
         check_id(&file.id)?;
         if file.parameters.len() > MOST_PARAMETERS {
@@ -187,6 +262,7 @@ impl OwnEffect {
             message: format!("law, character {}: {}", fault.character, fault.message),
             suggestion: None,
         })?;
+        let written = Written { place: file.acts_on, text: file.law, expression };
         let mut own = Self {
             id: file.id,
             summary: file.summary.unwrap_or_else(|| "An effect of the user's own.".to_owned()),
@@ -194,15 +270,13 @@ impl OwnEffect {
                 .told_apart
                 .unwrap_or_else(|| "By its own law; the file's `told-apart` says more.".to_owned()),
             cure: file.cure.unwrap_or_else(|| "Known to its author; the file's `cure` says it.".to_owned()),
-            place: file.acts_on,
-            law: file.law,
-            expression,
+            law: OwnLaw::Expression(written.clone()),
             parameters,
             definition,
             origin: origin.to_owned(),
         };
-        own.check_finite()?;
-        own.find_neutral(&file.parameters)?;
+        written.check_finite(&own.parameters)?;
+        written.find_neutral(&file.parameters, &mut own.parameters)?;
         Ok(own)
     }
 
@@ -212,6 +286,15 @@ impl OwnEffect {
         &self.definition
     }
 
+    /// The id under which a model includes it: with its place, where its file names one.
+    #[must_use]
+    pub fn included_id(&self) -> String {
+        let place = self.definition.get("place").and_then(toml::Value::as_str);
+        place.map_or_else(|| self.id.clone(), |place| format!("{place}/{}", self.id))
+    }
+}
+
+impl Written {
     /// Signs and sizes of the variables at which a law must be finite: rest, and ordinary and small motion.
     fn probes(&self) -> Vec<Vec<f64>> {
         let count = self.place.variables().len();
@@ -229,14 +312,10 @@ impl OwnEffect {
         probes
     }
 
-    fn values(&self) -> Vec<f64> {
-        self.parameters.iter().map(|p| p.value).collect()
-    }
-
-    fn check_finite(&self) -> Result<(), ActuatorError> {
-        let guess = self.values();
+    fn check_finite(&self, parameters: &[Parameter]) -> Result<(), ActuatorError> {
+        let guess: Vec<f64> = parameters.iter().map(|p| p.value).collect();
         let mut sets = vec![guess.clone()];
-        for (i, p) in self.parameters.iter().enumerate().filter(|(_, p)| !p.fixed) {
+        for (i, p) in parameters.iter().enumerate().filter(|(_, p)| !p.fixed) {
             for bound in [p.min, p.max] {
                 let mut values = guess.clone();
                 values[i] = bound;
@@ -248,7 +327,7 @@ impl OwnEffect {
                 let all: Vec<f64> = probe.iter().chain(set).copied().collect();
                 if let Err(fault) = self.expression.checked(&all) {
                     let names = self.place.variables().iter().copied();
-                    let names = names.chain(self.parameters.iter().map(|p| p.name.as_str()));
+                    let names = names.chain(parameters.iter().map(|p| p.name.as_str()));
                     let at: Vec<String> = names.zip(&all).map(|(n, v)| format!("{n} = {v}")).collect();
                     let admitted = format!(
                         "finite wherever it may be asked; at character {}: {}, with {}",
@@ -256,7 +335,7 @@ impl OwnEffect {
                         fault.message,
                         at.join(", ")
                     );
-                    return Err(ActuatorError::value("law", format!("\"{}\"", self.law), admitted));
+                    return Err(ActuatorError::value("law", format!("\"{}\"", self.text), admitted));
                 }
             }
         }
@@ -264,10 +343,13 @@ impl OwnEffect {
     }
 
     /// Finds where the effect vanishes: what the file says, else all parameters zero that may be zero.
-    fn find_neutral(&mut self, said: &BTreeMap<String, ParameterFile>) -> Result<(), ActuatorError> {
+    fn find_neutral(
+        &self,
+        said: &BTreeMap<String, ParameterFile>,
+        parameters: &mut [Parameter],
+    ) -> Result<(), ActuatorError> {
         let told = said.values().any(|p| p.neutral.is_some());
-        let neutral: Vec<Option<f64>> = self
-            .parameters
+        let neutral: Vec<Option<f64>> = parameters
             .iter()
             .map(|p| match said.get(&p.name).and_then(|s| s.neutral) {
                 Some(neutral) => Some(neutral),
@@ -275,8 +357,7 @@ impl OwnEffect {
                 None => Some(0.0),
             })
             .collect();
-        let values = self.values();
-        let at: Vec<f64> = values.iter().zip(&neutral).map(|(v, n)| n.unwrap_or(*v)).collect();
+        let at: Vec<f64> = parameters.iter().zip(&neutral).map(|(p, n)| n.unwrap_or(p.value)).collect();
         let law = self.expression.bind(self.place.variables().len(), &at);
         for probe in self.probes() {
             // A drive leaves the command as it is, everything else gives no force.
@@ -285,7 +366,7 @@ impl OwnEffect {
                 let admitted = if self.place == Place::Drive { "'u'" } else { "zero" };
                 return Err(ActuatorError::value(
                     "law",
-                    format!("\"{}\"", self.law),
+                    format!("\"{}\"", self.text),
                     format!(
                         "{admitted} where its parameters are neutral: let those that switch it off reach 0 \
                          within min and max, or give them 'neutral'"
@@ -293,7 +374,7 @@ impl OwnEffect {
                 ));
             }
         }
-        for (parameter, neutral) in self.parameters.iter_mut().zip(neutral) {
+        for (parameter, neutral) in parameters.iter_mut().zip(neutral) {
             parameter.neutral = neutral;
         }
         Ok(())
@@ -358,25 +439,8 @@ fn law_place(text: &str) -> (usize, usize) {
     (line, written[..quote].chars().count() + 1)
 }
 
-impl Effect for OwnEffect {
-    fn card(&self, _setting: &Setting) -> EffectCard {
-        EffectCard {
-            id: self.id.clone(),
-            summary: self.summary.clone(),
-            acts_on: self.place.name().to_owned(),
-            equation: self.law.clone(),
-            validity: "The user's own law, applied as a smooth force: it does not hold at rest.".to_owned(),
-            reference: self.origin.clone(),
-            symbols: format!("variables: {}", self.place.variables().join(", ")),
-            told_apart: self.told_apart.clone(),
-            cure: self.cure.clone(),
-            parameters: self.parameters.clone(),
-            passive: false,
-            becomes: None,
-        }
-    }
-
-    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+impl Written {
+    fn install(&self, values: &[f64], plant: &mut Plant) {
         let law = self.expression.bind(self.place.variables().len(), values);
         let per_travel = 1.0 / plant.travel_per_rad;
         match self.place {
@@ -395,13 +459,53 @@ impl Effect for OwnEffect {
             }
         }
     }
+}
+
+impl Effect for OwnEffect {
+    fn card(&self, _setting: &Setting) -> EffectCard {
+        let (place, equation, symbols, validity) = match &self.law {
+            OwnLaw::Expression(written) => (
+                written.place.name(),
+                written.text.clone(),
+                format!("variables: {}", written.place.variables().join(", ")),
+                "The user's own law, applied as a smooth force: it does not hold at rest.",
+            ),
+            OwnLaw::Curve(curve) => (
+                curve.place(),
+                curve.equation(),
+                "y1, y2, ...: the curve at its points; size: a factor of all; dry: dry friction beside it".to_owned(),
+                "Straight lines between the points, level beyond them: it says nothing of what was not seen.",
+            ),
+        };
+        EffectCard {
+            id: self.id.clone(),
+            summary: self.summary.clone(),
+            acts_on: place.to_owned(),
+            equation,
+            validity: validity.to_owned(),
+            reference: self.origin.clone(),
+            symbols,
+            told_apart: self.told_apart.clone(),
+            cure: self.cure.clone(),
+            parameters: self.parameters.clone(),
+            passive: false,
+            becomes: None,
+        }
+    }
+
+    fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
+        match &self.law {
+            OwnLaw::Expression(written) => written.install(values, plant),
+            OwnLaw::Curve(curve) => curve.install(values, plant),
+        }
+    }
 
     fn applies(&self, setting: &Setting) -> bool {
-        match self.place {
-            Place::Output => setting.output_moves,
-            Place::Spring => setting.has_spring,
-            _ => true,
-        }
+        let (output_moves, spring) = match &self.law {
+            OwnLaw::Expression(w) => (w.place == Place::Output, w.place == Place::Spring),
+            OwnLaw::Curve(curve) => curve.needs(),
+        };
+        (!output_moves || setting.output_moves) && (!spring || setting.has_spring)
     }
 
     fn definition(&self) -> Option<&toml::Table> {

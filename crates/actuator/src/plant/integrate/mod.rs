@@ -115,6 +115,8 @@ pub(super) struct State<const N: usize> {
     pull: (f64, f64),
     /// Heat that the rotor's dry friction has made, J.
     pub heat: f64,
+    /// s.
+    pub time_s: f64,
     /// Whether the drive's bridge is open over the step to come.
     released: bool,
 }
@@ -241,6 +243,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             spring_slip: 0.0,
             pull: (0.0, 0.0),
             heat: 0.0,
+            time_s: self.grid.start_s,
             released: false,
         }
     }
@@ -297,7 +300,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
                 + dot(&p.velocity_from.1[i], v)
                 + p.by_force.1[i][0] * commanded;
         }
-        let mut next = State { motor: commanded, ..*from };
+        let mut next = State { motor: commanded, time_s: self.grid.time(n + 1), ..*from };
         if let Some(observer) = self.observer {
             let at_output = self.link_2.map_or((0.0, 0.0), |i| (q[i], v[i]));
             next.pull = observer.pull(n, (q[0], v[0]), at_output);
@@ -335,7 +338,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             if let Some(element) = self.plant.laws.spring_slip {
                 next.spring_slip = element.advance(from.spring_slip, delta - dot(&self.deflection, q));
             }
-            let force = self.plant.spring_force(delta, rate) + next.spring_slip;
+            let force = self.plant.spring_force(delta, rate, next.time_s) + next.spring_slip;
             for i in 0..N {
                 forces[i] -= self.deflection[i] * (force - next.force_1 - departure);
             }
@@ -425,7 +428,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
         let (h, per_step, plant) = (self.grid.step_s, self.per_step, self.plant);
         let delta = dot(&self.deflection, &mean.position);
         let rate = dot(&self.deflection, &mean.velocity);
-        let mut departure = plant.laws.spring_force_beside(plant.stiffness, delta, rate);
+        let mut departure = plant.laws.spring_force_beside(plant.stiffness, delta, rate, from.time_s + 0.5 * h);
         if plant.laws.spring_damping != 0.0 && !plant.laws.spring_path.is_empty() {
             // The damper works in contact only: over a step that makes or breaks it, in proportion.
             let start = dot(&self.deflection, &from.motion.position);

@@ -123,7 +123,7 @@ impl<const N: usize> Stepper<'_, N> {
         let start = dot(&self.deflection, &from.motion.position);
         let travel = dot(&self.deflection, &after.position) - start;
         let delta = start + THIRD * (travel + 0.5 * h * dot(&self.deflection, &from.motion.velocity));
-        let mut spring = plant.spring_force(delta, travel * self.per_step);
+        let mut spring = plant.spring_force(delta, travel * self.per_step, from.time_s + 0.5 * h);
         if let Some(element) = plant.laws.spring_slip {
             spring += element.advance(from.spring_slip, 0.5 * travel);
         }

@@ -132,7 +132,7 @@ impl Actuator {
     fn deflection_under(&self, spring_n: f64) -> f64 {
         let stiffness = self.coefficients.stiffness;
         let linear = spring_n / stiffness;
-        let force = |deflection: f64| self.laws.spring_force(stiffness, deflection, 0.0);
+        let force = |deflection: f64| self.laws.spring_force(stiffness, deflection, 0.0, 0.0);
         if self.laws.spring_is_linear() || spring_n == 0.0 {
             return linear;
         }
@@ -227,7 +227,7 @@ impl Actuator {
         let deflection = deflection - end.0;
         let deflecting = speed - rate - end.1;
         let mut spring =
-            self.laws.spring_force_over(c.stiffness, deflection, deflecting, deflecting * step_s);
+            self.laws.spring_force_over(c.stiffness, deflection, (deflecting, deflecting * step_s), time_s);
         if let Some(element) = self.laws.spring_slip {
             self.spring_slip_n = element.advance(self.spring_slip_n, deflection - self.deflection_before_m);
             spring += self.spring_slip_n;

@@ -1,0 +1,231 @@
+//! Beyond the catalogue: the curve that is missing at a port becomes an effect, is fitted as one, and tells whether a known
+//! effect deserves its name.
+
+use super::compare::{clearly_better, excess};
+use super::dependence::Dependence;
+use super::missing::{Missing, Port};
+use super::picture::{MissingForce, missing_force};
+use super::policy::{CURVE_BEATS, CURVES, CURVES_DEAR, CURVES_FITTED, EXPLAINED, LEFT_SHARE, WORTH_NAMING};
+use super::refine::{Models, with_nominal_base};
+use super::{Candidate, Found};
+use crate::fit::Fit;
+use rayon::prelude::*;
+use sealegs_model::{Curve, Factor, Law, Model, Over};
+
+/// A fitted curve.
+#[derive(Debug, Clone)]
+pub struct FreeForm {
+    /// The law with its fitted points.
+    pub law: Law,
+    /// The port with its place, as in [`Missing::name`].
+    pub port: String,
+    /// What it depends on, as in [`Dependence::on`].
+    pub on: &'static str,
+    /// The set beside which it was fitted, in [`Found::tried`]: the base model, or the chosen one.
+    pub beside: usize,
+    /// That set with the law.
+    pub with: Candidate,
+    /// What is missing without it over what it depends on, the law drawn over it.
+    pub force: Option<MissingForce>,
+}
+
+/// Ports and dependences of each that are tried.
+const PORTS: usize = 2;
+const DEPENDENCES: usize = 3;
+
+/// The curves that take most of what the chosen set leaves, beside it, and of what the base model leaves, alone; none where
+/// nothing is left, or no curve takes a good part of it. Where one alone leaves far less than the chosen set, nothing stays
+/// chosen: a known effect is named only if it explains what the free-form curve of its port does.
+pub(super) fn look(models: &Models, found: &mut Found, before: &[Port], after: &[Port]) -> Vec<FreeForm> {
+    let floor = models.data.floor;
+    let error = |i: usize| found.tried[i].fit.error();
+    let left = (error(found.chosen) - floor) / (error(0) - floor).max(f64::MIN_POSITIVE);
+    if error(found.chosen) <= EXPLAINED * floor || (found.chosen > 0 && left < LEFT_SHARE) {
+        return Vec::new();
+    }
+    let square = |c: &Candidate| excess(c.validation.mean_square().sqrt(), floor);
+    let takes = |from: &Candidate, with: &Candidate, share: f64| {
+        clearly_better(from, with, floor) && square(with) <= share * square(from)
+    };
+    let helps = |law: &FreeForm| takes(&found.tried[law.beside], &law.with, 1.0 - WORTH_NAMING);
+    let alone = best(models, found, 0, before).filter(helps);
+    if found.chosen == 0 {
+        return alone.into_iter().collect();
+    }
+    if alone.as_ref().is_some_and(|law| takes(&found.tried[found.chosen], &law.with, 1.0 / CURVE_BEATS)) {
+        found.chosen = 0;
+        found.tied.clear();
+        found.same.clear();
+        return alone.into_iter().collect();
+    }
+    let beside = best(models, found, found.chosen, after).filter(helps);
+    beside.into_iter().chain(alone).collect()
+}
+
+/// A law that a model could have, and the model in the forms that could.
+struct Tried {
+    law: Law,
+    port: String,
+    on: &'static str,
+    exact: Box<dyn Model>,
+    coarse: Box<dyn Model>,
+    observed: Box<dyn Model>,
+}
+
+impl Tried {
+    /// `None` where the dependence is no curve, or the model has no place for it.
+    fn of(models: &Models, port: &Port, dependence: &Dependence) -> Option<Self> {
+        let law = law(&port.missing, dependence)?;
+        let exact = models.exact.knowing(&law)?;
+        let (coarse, observed) = (models.coarse.knowing(&law)?, models.observed.as_deref()?.knowing(&law)?);
+        Some(Self { law, port: port.missing.name(), on: dependence.on, exact, coarse, observed })
+    }
+
+    fn models<'a>(&'a self, of: &'a Models) -> Models<'a> {
+        Models {
+            data: of.data,
+            exact: self.exact.as_ref(),
+            coarse: self.coarse.clone(),
+            observed: Some(self.observed.clone()),
+            seen: of.seen.clone(),
+            dear: of.dear,
+        }
+    }
+
+    fn set(&self, near: &Candidate) -> Vec<String> {
+        near.effects.iter().cloned().chain([self.law.effect()]).collect()
+    }
+}
+
+/// The curve that leaves least beside a set: some are fitted under the observer, the best of these in open loop.
+fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option<FreeForm> {
+    let near = &found.tried[beside];
+    let known = near.known();
+    let observed = models.observing(near, &with_nominal_base(models.exact, &known))?;
+    let most = if models.dear { CURVES_DEAR } else { CURVES } as usize;
+    let felt = ports.iter().filter(|p| p.missing.is_felt()).take(PORTS);
+    let dependences = felt.flat_map(|port| {
+        let tried = port.depends.iter().filter_map(|d| Tried::of(models, port, d));
+        tried.take(DEPENDENCES).collect::<Vec<_>>()
+    });
+    let tried: Vec<Tried> = dependences.take(most).collect();
+    let mut seen: Vec<(&Tried, Fit)> = tried
+        .par_iter()
+        .filter_map(|t| {
+            let job = (t.set(near), known.clone());
+            Some((t, t.models(models).observed_fits(&observed, &[job]).pop()??))
+        })
+        .collect();
+    seen.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+    seen.truncate(if models.dear { 1 } else { CURVES_FITTED as usize });
+    let fitted: Vec<(&Tried, Candidate)> = seen
+        .par_iter()
+        .filter_map(|(t, fit)| Some((*t, t.models(models).fitted(near, &t.set(near), &known, Some(fit))?)))
+        .collect();
+    let (tried, with) = fitted.into_iter().reduce(|a, b| if b.1.fit.cost < a.1.fit.cost { b } else { a })?;
+    let models = tried.models(models);
+    let with = models.polished(&with);
+    let force = missing_force(&models, &with, ports);
+    let law = refitted(tried.law.clone(), &with);
+    Some(FreeForm { law, port: tried.port.clone(), on: tried.on, beside, with, force })
+}
+
+/// The law of a dependence: a curve at its port, or at the drive where what the rotor lacks follows the command. `None` for a
+/// dependence that is no curve of one signal.
+fn law(missing: &Missing, dependence: &Dependence) -> Option<Law> {
+    let curve = dependence.curve.as_ref()?;
+    let sensor = missing.port.starts_with("sensor/");
+    let (acts_on, over, times) = match (missing.port.as_str(), dependence.on) {
+        ("rotor", "speed") => ("rotor", Over::Speed, Factor::One),
+        ("rotor", "position") => ("rotor", Over::Position, Factor::One),
+        ("rotor", "time") => ("rotor", Over::Time, Factor::One),
+        ("rotor", "direction and position") => ("rotor", Over::Position, Factor::Direction),
+        ("rotor", "direction and load") => ("rotor", Over::Load, Factor::Direction),
+        ("rotor", "command") => ("drive", Over::Command, Factor::One),
+        ("rotor", "command and time") => ("drive", Over::Time, Factor::Command),
+        ("spring", "deflection") => ("spring", Over::Deflection, Factor::One),
+        ("spring", "rate of deflection") => ("spring", Over::DeflectionRate, Factor::One),
+        ("spring", "deflection and time") => ("spring", Over::Time, Factor::Deflection),
+        ("output", "speed") => ("output", Over::Speed, Factor::One),
+        ("output", "position") => ("output", Over::Position, Factor::One),
+        ("output", "time") => ("output", Over::Time, Factor::One),
+        (port, "its own value") if sensor => (port, Over::Value, Factor::One),
+        (port, "time") if sensor => (port, Over::Time, Factor::One),
+        _ => return None,
+    };
+    let against = times == Factor::Direction;
+    let (x, mut y) = curve.points.clone();
+    // A bound opposes the motion.
+    y.iter_mut().filter(|_| against).for_each(|y| *y = (-*y).max(0.0));
+    let dry = if over == Over::Speed && acts_on == "rotor" { (-curve.step).max(0.0) } else { 0.0 };
+    let place = (!missing.place.is_empty()).then(|| missing.place.clone());
+    let name = acts_on.rsplit('/').next().unwrap_or(acts_on).replace('_', "-");
+    Some(Law {
+        id: format!("unknown-at-{name}"),
+        place,
+        acts_on: acts_on.to_owned(),
+        summary: format!("What no known effect gives: it depends on {}.", dependence.on),
+        curve: Curve { over, times, x, y, dry },
+    })
+}
+
+/// The law with the points that were fitted.
+fn refitted(mut law: Law, with: &Candidate) -> Law {
+    let own = format!("{}.", law.effect());
+    let value = |name: &str| {
+        let full = format!("{own}{name}");
+        with.fit.parameters.iter().find(|p| p.name == full).map(|p| p.value)
+    };
+    let size = value("size").unwrap_or(1.0);
+    for (k, y) in law.curve.y.iter_mut().enumerate() {
+        *y = value(&format!("y{}", k + 1)).unwrap_or(size * *y);
+    }
+    law.curve.dry = value("dry").unwrap_or(law.curve.dry);
+    law
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::dependence;
+
+    fn missing(port: &str) -> Missing {
+        Missing {
+            place: "knee".to_owned(),
+            port: port.to_owned(),
+            unit: "N".to_owned(),
+            runs: Vec::new(),
+            rms: 1.0,
+            std: 0.1,
+        }
+    }
+
+    fn depends(on: &'static str, step: f64) -> Dependence {
+        let curve = dependence::Curve {
+            over: "speed".to_owned(),
+            times: "1",
+            x: vec![-1.0, 1.0],
+            y: vec![3.0, -3.0],
+            std: vec![0.1; 2],
+            points: (vec![-1.0, 1.0], vec![2.0, -2.0]),
+            step,
+        };
+        Dependence { on, explained: 0.9, coefficients: 3, curve: Some(curve) }
+    }
+
+    #[test]
+    fn what_is_missing_becomes_a_law_at_its_port() {
+        let drag = law(&missing("rotor"), &depends("speed", -1.5)).expect("a law");
+        assert_eq!((drag.effect().as_str(), drag.curve.dry), ("knee/unknown-at-rotor", 1.5));
+        assert_eq!(drag.curve.y, [2.0, -2.0]);
+        // A friction that would push is none.
+        assert_eq!(law(&missing("rotor"), &depends("speed", 1.5)).expect("a law").curve.dry, 0.0);
+        let bound = law(&missing("rotor"), &depends("direction and position", 0.0)).expect("a law");
+        assert_eq!((bound.curve.times, bound.curve.y), (Factor::Direction, vec![0.0, 2.0]));
+        let drive = law(&missing("rotor"), &depends("command", 0.0)).expect("a law");
+        assert_eq!(drive.acts_on, "drive");
+        let cell = law(&missing("sensor/force_1_n"), &depends("its own value", 0.0)).expect("a law");
+        assert_eq!((cell.id.as_str(), cell.acts_on.as_str()), ("unknown-at-force-1-n", "sensor/force_1_n"));
+        assert!(law(&missing("rotor"), &depends("rotor angle", 0.0)).is_none());
+    }
+}
