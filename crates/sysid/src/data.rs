@@ -390,11 +390,7 @@ impl<'a> Data<'a> {
                 measured.push(channel.name.clone());
             }
         }
-        Excitation {
-            measured,
-            ranges,
-            sample_period_s: stats::median(&periods),
-        }
+        Excitation { measured, ranges, sample_period_s: stats::median(&periods) }
     }
 }
 

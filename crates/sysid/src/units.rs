@@ -77,7 +77,9 @@ pub fn per_unit(campaign: &Campaign, model: &dyn Model) -> Result<Box<dyn Model>
     }
     let bad = |problem: String| Err(Error::bad(&campaign.file, None, Some("unit"), problem));
     if let Some(name) = names.iter().find(|n| n.contains(['.', AT])) {
-        return bad(format!("'{name}' must have no '.' and no '@' in it: it becomes a part of parameters' names"));
+        return bad(format!(
+            "'{name}' must have no '.' and no '@' in it: it becomes a part of parameters' names"
+        ));
     }
     let mut of_record: Vec<(String, usize)> = Vec::new();
     for run in &campaign.runs {

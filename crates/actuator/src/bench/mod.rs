@@ -32,7 +32,9 @@ use crate::plant::{Feed, Grid, Link, Plant, Trace, mean_per_step};
 use crate::spec::{EffectSpec, EffectValue, narrowed};
 use crate::text::nearest;
 use crate::{ActuatorError, ActuatorSpec, Configuration};
-use sealegs_model::{EffectCard, Excitation, InputHold, Law, Model, ModelError, Parameter, Prediction, Record};
+use sealegs_model::{
+    EffectCard, Excitation, InputHold, Law, Model, ModelError, Parameter, Prediction, Record,
+};
 use std::borrow::Cow;
 use std::sync::Arc;
 

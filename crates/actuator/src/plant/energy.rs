@@ -108,6 +108,7 @@ impl Plant {
             i if i % 2 == 1 => 4.0,
             _ => 2.0,
         };
-        (0..=PARTS).map(|i| weight(i) * self.spring_force(width * i as f64, 0.0, t)).sum::<f64>() * width / 3.0
+        (0..=PARTS).map(|i| weight(i) * self.spring_force(width * i as f64, 0.0, t)).sum::<f64>() * width
+            / 3.0
     }
 }

@@ -74,7 +74,13 @@ impl Laws {
     /// instant of the contact is not rounded to the step.
     #[must_use]
     #[inline]
-    pub fn spring_force_over(&self, stiffness: f64, delta: f64, (delta_dot, moving): (f64, f64), t: f64) -> f64 {
+    pub fn spring_force_over(
+        &self,
+        stiffness: f64,
+        delta: f64,
+        (delta_dot, moving): (f64, f64),
+        t: f64,
+    ) -> f64 {
         if self.spring_path.is_empty() {
             return self.spring_force(stiffness, delta, delta_dot, t);
         }

@@ -20,7 +20,9 @@ use crate::scenario::Scenario;
 use crate::simulation::load_robot;
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
-use sealegs_model::{EffectCard, Excitation, InputHold, Law, Model, ModelError, Parameter, Prediction, Record};
+use sealegs_model::{
+    EffectCard, Excitation, InputHold, Law, Model, ModelError, Parameter, Prediction, Record,
+};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -37,7 +37,13 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     }
     if let Some(law) = &outcome.law {
         let with = law.beside.iter().chain([&law.effect]).cloned().collect::<Vec<_>>().join(" + ");
-        let _ = writeln!(o, "  {:<24} {:>9.3} {:>15.3}", format!("with {with}"), law.fit_error, law.holdout_error);
+        let _ = writeln!(
+            o,
+            "  {:<24} {:>9.3} {:>15.3}",
+            format!("with {with}"),
+            law.fit_error,
+            law.holdout_error
+        );
     }
     if let Some(worst) = outcome.worst_channel() {
         let _ = writeln!(o, "  held-out, root mean square: {worst}");

@@ -11,6 +11,7 @@ use super::policy::{CURVE_BLOCKS, CURVE_ROWS, DEPENDS, RICHER};
 use crate::data::Data;
 use nalgebra::{DMatrix, DVector};
 use sealegs_model::internal;
+use std::ops::Range;
 
 /// Knots of a curve.
 const KNOTS: usize = 12;
@@ -88,6 +89,40 @@ pub(super) struct Form {
     knots: Option<Vec<f64>>,
 }
 
+impl Form {
+    /// Its smoothness, where its columns come after others.
+    pub(super) fn smooth(&self, first: usize) -> Option<Smooth<'_>> {
+        self.knots.as_ref().map(|knots| Smooth { first, knots })
+    }
+}
+
+/// Hats whose ordinates are held near straight lines (Eilers and Marx 1996): where a left-out stretch alone has reached, a
+/// curve goes on as it was and does not fall to zero.
+pub(super) struct Smooth<'a> {
+    first: usize,
+    knots: &'a [f64],
+}
+
+/// Weight of a departure from a straight line over the mean weight of an ordinate in the data.
+const STRAIGHT: f64 = 1e-3;
+
+impl Smooth<'_> {
+    /// Adds the weight to the normal equations.
+    pub(super) fn add_to(&self, a: &mut DMatrix<f64>) {
+        let n = self.knots.len();
+        let weight = STRAIGHT * (0..n).map(|k| a[(self.first + k, self.first + k)]).sum::<f64>() / n as f64;
+        for k in 1..n.saturating_sub(1) {
+            let (before, after) = (self.knots[k] - self.knots[k - 1], self.knots[k + 1] - self.knots[k]);
+            let bend = [after / (before + after), -1.0, before / (before + after)];
+            for i in 0..3 {
+                for j in 0..3 {
+                    a[(self.first + k - 1 + i, self.first + k - 1 + j)] += weight * bend[i] * bend[j];
+                }
+            }
+        }
+    }
+}
+
 /// The dependences of a missing signal, the one that foresees most first; empty where nothing does.
 ///
 /// `nuisances` are the derivatives of the signal by the base model's parameters, run by run at the scored rows.
@@ -98,28 +133,36 @@ pub fn dependences(
     missing: &Missing,
     nuisances: &[Vec<Vec<f64>>],
 ) -> Vec<Dependence> {
-    let step = step(&missing.runs);
-    let thin = |runs: &[Vec<f64>]| -> Vec<f64> {
-        runs.iter().flat_map(|r| r.iter().step_by(step).copied()).collect()
-    };
-    let target = thin(&missing.runs);
+    let mean = |column: &[f64]| averaged(column, &missing.runs);
+    let target = mean(&missing.runs.concat());
     if target.len() < 10 * KNOTS {
         return Vec::new();
     }
-    let rows = rows(data, observed, missing, step);
-    let mut base: Vec<Vec<f64>> = nuisances.iter().map(|n| thin(n)).collect();
+    let mut rows = rows(data, observed, missing, 1);
+    let every = step(&missing.runs);
+    rows.block = chunks(&missing.runs, every).map(|r| rows.block[r.start]).collect();
+    let mut base: Vec<Vec<f64>> = nuisances.iter().map(|n| mean(&n.concat())).collect();
     base.push(vec![1.0; target.len()]);
     base.retain(|c| c.len() == target.len() && c.iter().all(|v| v.is_finite()));
-    let noise = target.len() as f64 * missing.std.powi(2);
-    let alone = left_out(&base, &target, &rows.block);
+    // The noise as the base parameters leave it, too: what the observer itself is off follows the motion.
+    let quiet = mean(&missing.quiet.concat());
+    let noise = if quiet.len() == target.len() {
+        left_out(&base, &quiet, &rows.block, None)
+    } else {
+        target.len() as f64 * missing.slow.1.powi(2)
+    };
+    let alone = left_out(&base, &target, &rows.block, None);
     // A method's own error is no white noise that a curve could not foresee: at least half of the signal counts.
     let signal = (alone - noise).max(0.5 * alone).max(f64::MIN_POSITIVE);
     let mut found: Vec<Dependence> = forms(&rows, missing.port.starts_with("sensor/"))
         .into_iter()
         .filter(|f| f.columns.iter().flatten().all(|v| v.is_finite()))
-        .map(|form| {
+        .map(|mut form| {
+            form.columns.iter_mut().for_each(|c| *c = mean(c));
             let all: Vec<Vec<f64>> = base.iter().chain(&form.columns).cloned().collect();
-            let explained = ((alone - left_out(&all, &target, &rows.block)) / signal).clamp(0.0, 1.0);
+            let explained = ((alone - left_out(&all, &target, &rows.block, form.smooth(base.len())))
+                / signal)
+                .clamp(0.0, 1.0);
             let curve = form.knots.as_ref().map(|knots| curve(&form, knots, &base, &target));
             Dependence { on: form.on, explained, coefficients: form.columns.len(), curve }
         })
@@ -134,10 +177,29 @@ pub fn dependences(
     found
 }
 
-/// Every how many samples of a signal a regression takes.
+/// Of how many samples a row of a regression is the mean.
 pub(super) fn step(runs: &[Vec<f64>]) -> usize {
     let total: usize = runs.iter().map(Vec::len).sum();
     (total as f64 / CURVE_ROWS).ceil().max(1.0) as usize
+}
+
+/// Neighbours within one run, as ranges of the runs' samples one after the other.
+fn chunks(runs: &[Vec<f64>], every: usize) -> impl Iterator<Item = Range<usize>> {
+    let mut start = 0;
+    let of = move |run: &Vec<f64>| {
+        let first = start;
+        start += run.len();
+        (first..start).step_by(every).map(move |i| i..(i + every).min(start)).collect::<Vec<_>>()
+    };
+    runs.iter().map(of).collect::<Vec<_>>().into_iter().flatten()
+}
+
+/// The means of neighbours of a column that stands along some runs, one after the other.
+pub(super) fn averaged(column: &[f64], runs: &[Vec<f64>]) -> Vec<f64> {
+    if column.len() != runs.iter().map(Vec::len).sum::<usize>() {
+        return Vec::new();
+    }
+    chunks(runs, step(runs)).map(|r| column[r.clone()].iter().sum::<f64>() / r.len() as f64).collect()
 }
 
 /// The forms that are tried.
@@ -390,7 +452,7 @@ pub(super) fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
 }
 
 /// Sum of squares that is left of blocks, each foreseen by the others.
-fn left_out(columns: &[Vec<f64>], target: &[f64], block: &[usize]) -> f64 {
+fn left_out(columns: &[Vec<f64>], target: &[f64], block: &[usize], smooth: Option<Smooth>) -> f64 {
     let n = columns.len();
     let blocks = block.iter().max().map_or(0, |b| b + 1);
     let of = |k: usize| (0..target.len()).filter(move |&i| block[i] == k);
@@ -399,7 +461,11 @@ fn left_out(columns: &[Vec<f64>], target: &[f64], block: &[usize]) -> f64 {
     let (a, b) = parts.iter().fold(zero, |(a, b), part| (a + &part.0, b + &part.1));
     let mut squares = 0.0;
     for (k, part) in parts.iter().enumerate() {
-        let x = solve(&(&a - &part.0), &(&b - &part.1));
+        let mut rest = &a - &part.0;
+        if let Some(smooth) = &smooth {
+            smooth.add_to(&mut rest);
+        }
+        let x = solve(&rest, &(&b - &part.1));
         for i in of(k) {
             let said: f64 = (0..n).map(|c| x[c] * columns[c][i]).sum();
             squares += (target[i] - said).powi(2);
@@ -411,7 +477,10 @@ fn left_out(columns: &[Vec<f64>], target: &[f64], block: &[usize]) -> f64 {
 /// The curve of a form of hats with its standard error, from all rows.
 fn curve(form: &Form, knots: &[f64], base: &[Vec<f64>], target: &[f64]) -> Curve {
     let all: Vec<Vec<f64>> = base.iter().chain(&form.columns).cloned().collect();
-    let (a, b) = normal(&all, target, 0..target.len());
+    let (mut a, b) = normal(&all, target, 0..target.len());
+    if let Some(smooth) = form.smooth(base.len()) {
+        smooth.add_to(&mut a);
+    }
     let x = solve(&a, &b);
     let squares: f64 = (0..target.len())
         .map(|i| (target[i] - (0..all.len()).map(|c| x[c] * all[c][i]).sum::<f64>()).powi(2))
@@ -476,11 +545,34 @@ mod tests {
         let one = vec![vec![1.0; 4000]];
         let knots = quantiles(&x, KNOTS);
         let with: Vec<Vec<f64>> = one.iter().cloned().chain(hats(&x, &knots)).collect();
-        let (alone, left) = (left_out(&one, &target, &block), left_out(&with, &target, &block));
+        let (alone, left) = (left_out(&one, &target, &block, None), left_out(&with, &target, &block, None));
         // |x| has the variance 1/12; the noise 0.01, and the hats cost 12 of 4000 degrees of freedom.
         assert!((left / 4000.0 - 0.01).abs() < 0.001 && alone / 4000.0 > 0.08, "{left} {alone}");
         let pure: Vec<f64> = (0..4000).map(|_| noise.normal()).collect();
-        assert!(left_out(&with, &pure, &block) >= 0.999 * left_out(&one, &pure, &block));
+        assert!(left_out(&with, &pure, &block, None) >= 0.999 * left_out(&one, &pure, &block, None));
+    }
+
+    #[test]
+    fn analytic_a_curve_goes_on_straight_where_a_left_out_block_alone_has_reached() {
+        // y = 3 x with a column of x beside the hats; the last block alone goes beyond 1.
+        let x: Vec<f64> =
+            (0..1000).map(|i| f64::from(i % 100) * if i < 900 { 0.01 } else { 0.02 } - 0.5).collect();
+        let target: Vec<f64> = x.iter().map(|v| 3.0 * v).collect();
+        let block: Vec<usize> = (0..1000).map(|i| i / 100).collect();
+        let knots = quantiles(&x, KNOTS);
+        let columns: Vec<Vec<f64>> = [x.clone()].into_iter().chain(hats(&x, &knots)).collect();
+        let left = left_out(&columns, &target, &block, Some(Smooth { first: 1, knots: &knots }));
+        assert!((left / 1000.0).sqrt() < 1e-3, "{left}");
+    }
+
+    #[test]
+    fn analytic_neighbours_of_different_runs_are_not_averaged() {
+        let runs = vec![vec![0.0; 3], vec![0.0; 4]];
+        let ranges: Vec<_> = chunks(&runs, 2).collect();
+        assert_eq!(ranges, [0..2, 2..3, 3..5, 5..7]);
+        let long = vec![vec![0.0; 3000]];
+        let means = averaged(&(0..3000).map(f64::from).collect::<Vec<_>>(), &long);
+        assert_eq!((means.len(), means[0], means[1499]), (1500, 0.5, 2998.5));
     }
 
     #[test]

@@ -197,6 +197,8 @@ mod tests {
             runs: Vec::new(),
             rms: 1.0,
             std: 0.1,
+            slow: (1.0, 0.1),
+            quiet: Vec::new(),
         }
     }
 

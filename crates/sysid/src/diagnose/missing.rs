@@ -1,9 +1,9 @@
 //! What is missing at each port: the force that an observer needs to keep a model on the measured motion, and what each
 //! sensor shows beyond it, with the uncertainty that the sensors' noise leaves.
 
-use super::dependence::{Dependence, dependences};
+use super::dependence::{Dependence, averaged, dependences, step};
 use super::picture::{self, MissingForce};
-use super::policy::PORT_FELT;
+use super::policy::{LITTLE_SEEN, PORT_FELT};
 use super::refine::{Models, with_nominal_base};
 use super::{Candidate, with_effects};
 use crate::data::{Data, Evaluation};
@@ -26,6 +26,10 @@ pub struct Missing {
     pub rms: f64,
     /// Root mean square that the sensors' noise alone would leave.
     pub std: f64,
+    /// Root mean square of the means of neighbours (see [`super::dependence::averaged`]), and what the noise leaves of that.
+    pub slow: (f64, f64),
+    /// Its values where the sensors' noise alone is missing, run by run; empty where that is not known.
+    pub quiet: Vec<Vec<f64>>,
 }
 
 impl Missing {
@@ -38,7 +42,14 @@ impl Missing {
     /// Whether it is more than noise.
     #[must_use]
     pub fn is_felt(&self) -> bool {
-        self.rms > PORT_FELT * self.std
+        self.over_noise() > PORT_FELT
+    }
+
+    /// It over what the sensors' noise alone would leave, fast or slow, whichever shows it more.
+    #[must_use]
+    pub fn over_noise(&self) -> f64 {
+        let ratio = |(signal, noise): (f64, f64)| signal / noise.max(f64::MIN_POSITIVE);
+        ratio((self.rms, self.std)).max(ratio(self.slow))
     }
 }
 
@@ -53,7 +64,9 @@ pub fn missing(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missi
     let mut all = ports(data, at, &at.predictions);
     for signal in &mut all {
         let same = |m: &&Missing| m.place == signal.place && m.port == signal.port;
-        signal.std = quiet.iter().find(same).map_or(0.0, |m| m.rms);
+        let Some(quiet) = quiet.iter().find(same) else { continue };
+        (signal.std, signal.slow.1) = (quiet.rms, quiet.slow.0);
+        signal.quiet.clone_from(&quiet.runs);
     }
     all.extend(sensors(data, at));
     all
@@ -106,7 +119,18 @@ pub(super) fn sensors(data: &Data, at: &Evaluation) -> Vec<Missing> {
 
 fn signal(place: String, port: String, unit: String, runs: Vec<Vec<f64>>, std: f64) -> Missing {
     let all: Vec<f64> = runs.iter().flatten().map(|v| v * v).collect();
-    Missing { place, port, unit, runs, rms: stats::mean(&all).sqrt(), std }
+    let slow = stats::rms(&averaged(&runs.concat(), &runs));
+    let white = std / (step(&runs) as f64).sqrt();
+    Missing {
+        place,
+        port,
+        unit,
+        rms: stats::mean(&all).sqrt(),
+        std,
+        slow: (slow, white),
+        quiet: Vec::new(),
+        runs,
+    }
 }
 
 /// What the observer finds missing in the model's own prediction under the sensors' noise.
@@ -149,7 +173,10 @@ const STEP: f64 = 1e-2;
 #[must_use]
 pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
     let known = with_nominal_base(models.exact, &candidate.known());
-    let Some(observed) = models.as_stated(candidate, &known) else { return Vec::new() };
+    // What is missing is seen beside values that it has not driven away: where a fit leaves much, beside the stated ones.
+    let fitted =
+        models.observing(candidate, &known).filter(|c| c.fit.error() <= LITTLE_SEEN * models.data.floor);
+    let Some(observed) = fitted.or_else(|| models.as_stated(candidate, &known)) else { return Vec::new() };
     let Ok(open) = with_effects(models.coarse.as_ref(), &candidate.effects, &models.seen) else {
         return Vec::new();
     };
@@ -190,7 +217,7 @@ pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
             Port { missing, depends, force }
         })
         .collect();
-    let felt = |p: &Port| p.missing.rms / p.missing.std.max(f64::MIN_POSITIVE);
+    let felt = |p: &Port| p.missing.over_noise();
     looked.sort_by(|a, b| felt(b).total_cmp(&felt(a)));
     // A missing force shows in every sensor behind it: a sensor's own fault comes first only where the balance says so.
     let place = |p: &Port| usize::from(p.missing.port.starts_with("sensor/"));

@@ -3,8 +3,9 @@
 //! Both are seen along the measured motion: the force that an observer needs with and without the effects, all other
 //! values alike. Their difference is the effects' law, whatever its form and wherever it acts.
 
-use super::dependence::{Rows, dependences, forms, normal, rows, solve, step};
+use super::dependence::{Rows, dependences, forms, normal, rows, solve};
 use super::missing::{Missing, Port, is_torque, ports, sensors};
+use super::policy::DRAWN_ROWS;
 use super::refine::Models;
 use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, Evaluation};
@@ -242,7 +243,8 @@ fn units(data: &Data, at: &Evaluation, missing: &Missing) -> (String, (bool, boo
 
 /// Every how many samples of a signal are taken, and those samples with their runs.
 fn thinned(runs: &[Vec<f64>]) -> (usize, Vec<f64>, Vec<usize>) {
-    let every = step(runs);
+    let total: usize = runs.iter().map(Vec::len).sum();
+    let every = (total as f64 / DRAWN_ROWS).ceil().max(1.0) as usize;
     let values = runs.iter().flat_map(|r| r.iter().step_by(every).copied()).collect();
     let run = runs.iter().enumerate().flat_map(|(k, r)| vec![k; r.len().div_ceil(every)]).collect();
     (every, values, run)
@@ -264,8 +266,12 @@ pub(super) fn of_port(
     let taken_off = columns.len();
     columns.push(vec![1.0; y.len()]);
     let form = forms(&rows, missing.port.starts_with("sensor/")).into_iter().find(|f| f.on == on)?;
-    columns.extend(form.columns);
-    let (a, b) = normal(&columns, &y, 0..y.len());
+    let smooth = columns.len();
+    columns.extend(form.columns.iter().cloned());
+    let (mut a, b) = normal(&columns, &y, 0..y.len());
+    if let Some(smooth) = form.smooth(smooth) {
+        smooth.add_to(&mut a);
+    }
     let fitted = solve(&a, &b);
     for i in 0..y.len() {
         y[i] -= (0..taken_off).map(|k| fitted[k] * columns[k][i]).sum::<f64>();

@@ -131,8 +131,14 @@ policy! {
     FOLLOWERS_DEAR = 4.0;
     /// Missing signal over its uncertainty from which on a port is said to lack something.
     PORT_FELT = 2.0;
-    /// Rows of a free-form regression: more add correlated samples only.
-    CURVE_ROWS = 6000.0;
+    /// Error over the floor, fitted under the observer, up to which the base parameters are where they should be: what is
+    /// missing is then smaller than what wrong stated values would show.
+    LITTLE_SEEN = 2.0;
+    /// Rows of a free-form regression, each the mean of neighbours: the noise of a missing force is fast, what depends on a
+    /// signal of the machine is slow, and over some 20 ms of a run at 1 kHz a friction of a tenth of that noise stands out.
+    CURVE_ROWS = 2000.0;
+    /// Rows of a picture: more add correlated samples only.
+    DRAWN_ROWS = 6000.0;
     /// Blocks that are left out one at a time in a free-form regression.
     CURVE_BLOCKS = 10.0;
     /// Held-out share of a missing signal from which on a dependence is said.

@@ -55,7 +55,8 @@ impl OnCurve {
     ///
     /// [`ActuatorError::Value`] for a place that has no such law, and for points that are no curve.
     pub fn new(acts_on: &str, curve: Curve) -> Result<Self, ActuatorError> {
-        let bad = |field: &str, value: String, admitted: &str| Err(ActuatorError::value(field, value, admitted));
+        let bad =
+            |field: &str, value: String, admitted: &str| Err(ActuatorError::value(field, value, admitted));
         if !Self::can(acts_on, &curve) {
             let value = format!("{:?} times {:?} at '{acts_on}'", curve.over, curve.times).to_lowercase();
             return bad(
@@ -74,7 +75,11 @@ impl OnCurve {
         }
         let has_dry = acts_on == "rotor" && curve.over == Over::Speed;
         if !(curve.dry == 0.0 || (has_dry && curve.dry > 0.0 && curve.dry.is_finite())) {
-            return bad("curve.dry", curve.dry.to_string(), "not negative, and beside a curve over the rotor's speed alone");
+            return bad(
+                "curve.dry",
+                curve.dry.to_string(),
+                "not negative, and beside a curve over the rotor's speed alone",
+            );
         }
         Ok(Self { acts_on: acts_on.to_owned(), curve })
     }
@@ -162,7 +167,8 @@ impl OnCurve {
 
 /// What a file of the law keeps.
 pub(super) fn definition(law: &Law) -> Result<toml::Table, ActuatorError> {
-    let unwritten = |e: toml::ser::Error| ActuatorError::value("curve", law.id.clone(), format!("plain numbers: {e}"));
+    let unwritten =
+        |e: toml::ser::Error| ActuatorError::value("curve", law.id.clone(), format!("plain numbers: {e}"));
     toml::Table::try_from(law).map_err(unwritten)
 }
 

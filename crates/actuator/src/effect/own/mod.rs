@@ -234,7 +234,9 @@ impl OwnEffect {
             id: file.id,
             summary: file.summary.unwrap_or_else(|| "A curve that was read off a missing signal.".to_owned()),
             told_apart: file.told_apart.unwrap_or_else(|| "By its curve alone.".to_owned()),
-            cure: file.cure.unwrap_or_else(|| "Find what it stands for; until then compensate for the curve.".to_owned()),
+            cure: file.cure.unwrap_or_else(|| {
+                "Find what it stands for; until then compensate for the curve.".to_owned()
+            }),
             parameters: law.parameters(),
             law: OwnLaw::Curve(law),
             definition,
@@ -473,7 +475,8 @@ impl Effect for OwnEffect {
             OwnLaw::Curve(curve) => (
                 curve.place(),
                 curve.equation(),
-                "y1, y2, ...: the curve at its points; size: a factor of all; dry: dry friction beside it".to_owned(),
+                "y1, y2, ...: the curve at its points; size: a factor of all; dry: dry friction beside it"
+                    .to_owned(),
                 "Straight lines between the points, level beyond them: it says nothing of what was not seen.",
             ),
         };

@@ -428,7 +428,8 @@ impl<'a, const N: usize> Stepper<'a, N> {
         let (h, per_step, plant) = (self.grid.step_s, self.per_step, self.plant);
         let delta = dot(&self.deflection, &mean.position);
         let rate = dot(&self.deflection, &mean.velocity);
-        let mut departure = plant.laws.spring_force_beside(plant.stiffness, delta, rate, from.time_s + 0.5 * h);
+        let mut departure =
+            plant.laws.spring_force_beside(plant.stiffness, delta, rate, from.time_s + 0.5 * h);
         if plant.laws.spring_damping != 0.0 && !plant.laws.spring_path.is_empty() {
             // The damper works in contact only: over a step that makes or breaks it, in proportion.
             let start = dot(&self.deflection, &from.motion.position);
