@@ -174,6 +174,16 @@ impl Pair<'_> {
             let graph = Graph::new("Friction while its heat grows", ("heat", "J"), ("friction", unit));
             return Some(graph.sweep("", (0.0, heat), |heat| bound(Slip { heat, ..moving })));
         }
+        if bound(moving) != bound(Slip { warmer_k: 20.0, ..moving }) {
+            let graph = Graph::new("Friction while the drive warms", ("above 25 C", "K"), ("friction", unit));
+            return Some(graph.sweep("", (-20.0, 60.0), |warmer_k| bound(Slip { warmer_k, ..moving })));
+        }
+        let travel = self.setting.travel();
+        if sweep(-travel, travel).any(|position| bound(Slip { position, ..moving }) != bound(moving)) {
+            let x = ("screw's extension", self.length_unit());
+            let graph = Graph::new("Friction over the screw's place", x, ("friction", unit));
+            return Some(graph.sweep("", (-travel, travel), |position| bound(Slip { position, ..moving })));
+        }
         if bound(moving) != bound(Slip { load: 0.9 * force, ..moving }) {
             let graph =
                 Graph::new("Friction over the load", ("force in the screw", unit), ("friction", unit));
@@ -187,8 +197,7 @@ impl Pair<'_> {
     }
 
     fn presliding(&self) -> Option<Graph> {
-        let element =
-            self.with.laws.rotor_presliding.filter(|_| self.without.laws.rotor_presliding.is_none())?;
+        let element = self.with.laws.rotor_presliding.get(self.without.laws.rotor_presliding.len())?;
         let (mut f, mut before) = (0.0, 0.0);
         let amplitude = 2.5 * element.bound / element.stiffness;
         let loops = (0..5 * POINTS / 4).map(|i| {
