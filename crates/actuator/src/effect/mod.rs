@@ -20,6 +20,7 @@ mod load_dependent_friction;
 mod output_friction;
 mod output_offset;
 mod own;
+mod position_dependent_friction;
 mod presliding_friction;
 mod pwm_dead_zone;
 mod quadratic_drag;
@@ -108,6 +109,7 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &stribeck_friction::StribeckFriction,
     &load_dependent_friction::LoadDependentFriction,
     &direction_dependent_friction::DirectionDependentFriction,
+    &position_dependent_friction::PositionDependentFriction,
     &directional_efficiency::DirectionalEfficiency,
     &warming_friction::WarmingFriction,
     &temperature_friction::TemperatureFriction,

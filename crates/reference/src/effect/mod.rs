@@ -9,6 +9,7 @@ mod dahl_friction;
 mod drive;
 mod friction;
 mod output;
+mod position_friction;
 mod sensor;
 mod spring;
 mod temperature_friction;
@@ -99,6 +100,7 @@ pub(crate) const KNOWN: &[Known] = &[
     dahl_friction::DAHL,
     temperature_friction::BY_TEMPERATURE,
     base_motion::BASE_MOTION,
+    position_friction::ALONG_SCREW,
 ];
 
 /// The ids of [`KNOWN`], in its order.
