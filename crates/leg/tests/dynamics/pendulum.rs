@@ -88,9 +88,15 @@ fn analytic_output_friction_at_a_joint_takes_its_torque_times_the_way() {
         let taken = friction * (pair[0] - pair[1]).abs();
         assert!((lost / taken - 1.0).abs() < 5e-3, "{pair:?}: {lost} and {taken} J");
     }
-    // Where the weight is less than the friction it stays, to the last bit.
-    let last = q[q.len() - 1];
-    assert!(weight * last.sin().abs() < friction && q[q.len() - 2000..].iter().all(|q| *q == last), "{last}");
+    // Where the weight is less than the friction it stays: within the 1e-4 rad over which a joint's friction is elastic,
+    // and without creep.
+    let rest = &q[q.len() - 2000..];
+    let (early, late) = rest.split_at(1000);
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+    assert!(weight * mean(rest).sin().abs() < friction);
+    assert!(rest.iter().all(|q| (q - mean(rest)).abs() < 1e-4));
+    // A second holds no whole number of the ringing's periods: 5e-5 rad at some 60 Hz.
+    assert!((mean(early) - mean(late)).abs() < 1e-5, "{} {}", mean(early), mean(late));
 }
 
 /// The double pendulum's accelerations, written down from its Lagrangian (absolute angles a, a + b).
