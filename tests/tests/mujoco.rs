@@ -7,7 +7,7 @@ use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{BenchModel, OUTPUTS};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::ParameterSpec;
-use sealegs_export::Format;
+use sealegs_export::{Fate, Format};
 use sealegs_leg::robot::Robot;
 use sealegs_leg::scenario::Scenario;
 use sealegs_model::{Excitation, Model, Record, Signal};
@@ -149,6 +149,11 @@ fn reference_every_effect_does_in_mujoco_what_it_does_here() {
                 }
             }
             let model = at(&model, &values);
+            let exported = sealegs_export::bench(Format::Mjcf, &model, "current_a", "bench").unwrap();
+            // What the file says that it has not, it has not.
+            if exported.notes.iter().any(|note| note.what == id && note.fate == Fate::Lost) {
+                continue;
+            }
             jobs.push(job(&model, &[record]));
             let with = predict(&model);
             let effect = apart(&plain, &with, &without);

@@ -15,6 +15,7 @@ pub fn note(id: &str, term: &Term, reach: Reach, rigid: bool) -> Note {
         Term::Presliding { .. } => Note::near(id, "friction of the joint, without the elastic part"),
         Term::DirectedFriction { .. } => Note::near(id, "friction of the joint: the mean of both directions"),
         Term::Warming { .. } => Note::near(id, "friction of the joint: what it is while cold"),
+        Term::Bound { .. } => Note::lost(id, "the format's friction changes with nothing but speed"),
         Term::CommandLimit { .. } if reach == Reach::Armature && !rigid => {
             Note::lost(id, "an effort limit would clip the spring's force, too: clip the command")
         }

@@ -1,7 +1,8 @@
 //! Every effect at every place of the legs: ids, cards, neutral values, energy; and the leg as a model.
 
+use sealegs_actuator::effect::{CommandKind, Setting, is_of_actuator};
 use sealegs_actuator::spec::{EffectSpec, EffectValue};
-use sealegs_leg::effect::{CATALOGUE, NOT_ON_A_LEG};
+use sealegs_leg::effect::CATALOGUE;
 use sealegs_leg::model::LegModel;
 use sealegs_leg::robot::Robot;
 use sealegs_leg::scenario::Scenario;
@@ -90,14 +91,21 @@ fn every_effect_has_a_place_a_full_card_and_few_starts() {
     for own in CATALOGUE {
         assert!(ids.iter().any(|id| id.ends_with(&format!("/{}", own.id()))), "{}", own.id());
     }
-    // What is not offered is in the actuators' catalogue: the list is not stale.
-    let known: Vec<String> = sealegs_actuator::effect::CATALOGUE
-        .iter()
-        .map(|e| e.card(&sealegs_actuator::effect::Setting::unknown()).id)
-        .collect();
-    for (not, why) in NOT_ON_A_LEG {
-        assert!(known.iter().any(|id| id == not) && !why.is_empty());
-        assert!(!ids.contains(&format!("hip_front/{not}")));
+    // Of the actuators' catalogue a leg has what acts in an actuator and needs no bridge, and nothing else.
+    for effect in sealegs_actuator::effect::CATALOGUE {
+        let id = effect.card(&Setting::unknown()).id;
+        // The knee is a joint, too, with friction of its own.
+        if CATALOGUE.iter().any(|own| own.id() == id) {
+            continue;
+        }
+        let offered = ids.contains(&format!("knee/{id}"));
+        let setting = Setting {
+            command: CommandKind::Current,
+            force_per_command: 240.0,
+            base_is_held: false,
+            ..Setting::unknown()
+        };
+        assert_eq!(offered, is_of_actuator(*effect) && effect.applies(&setting), "{id}");
     }
 }
 
@@ -193,6 +201,12 @@ fn an_actuator_files_effects_come_with_it() {
     let refused = channels(&scenario(""), with_knee_effect("output-friction", &[("torque_nm", 1.0)]));
     let message = refused.expect_err("refused").to_string();
     assert!(message.contains("knee") && message.contains("output-friction"), "{message}");
+    assert!(message.contains("joints"), "{message}");
+    for id in ["wobbling-mass", "cable-stiffness", "feedback-delay"] {
+        let refused = channels(&scenario(""), with_knee_effect(id, &[]));
+        let message = refused.expect_err("refused").to_string();
+        assert!(message.contains(id) && message.contains("bench"), "{message}");
+    }
 }
 
 #[test]

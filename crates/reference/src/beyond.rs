@@ -3,12 +3,14 @@
 /// Something that the catalogue does not have. SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Beyond {
-    /// Dry friction of the rotor that comes and goes along the screw: `F (1 + sin(2 pi y / period))`.
-    PositionFriction {
-        /// Mean bound, N.
+    /// Dry friction of the rotor on one end of the screw alone, worn or dry: `F (1 + tanh((y - from) / width)) / 2`.
+    RoughEnd {
+        /// Bound far within it, N.
         force_n: f64,
-        /// Travel after which it repeats, m.
-        period_m: f64,
+        /// Extension at which it has half of that, m.
+        from_m: f64,
+        /// m.
+        width_m: f64,
     },
     /// A spring that is stiffer beyond a deflection, in compression only: `+ ratio k (delta - from)`.
     KinkedSpring {
@@ -89,9 +91,7 @@ impl Beyond {
     #[must_use]
     pub fn whereabouts(&self) -> Whereabouts {
         let (port, depends_on): (&str, &[&str]) = match self {
-            Self::PositionFriction { .. } | Self::FrictionBump { .. } => {
-                ("rotor", &["position", "direction"])
-            }
+            Self::RoughEnd { .. } | Self::FrictionBump { .. } => ("rotor", &["position", "direction"]),
             Self::KinkedSpring { .. } => ("spring", &["deflection"]),
             Self::SofteningSpring { .. } => ("spring", &["time", "deflection"]),
             Self::HotMotor { .. } => ("command", &["time", "command"]),
@@ -108,8 +108,8 @@ impl Beyond {
     #[must_use]
     pub fn described(&self) -> (&'static str, Vec<(&'static str, f64)>) {
         match *self {
-            Self::PositionFriction { force_n, period_m } => {
-                ("position-dependent-friction", vec![("force_n", force_n), ("period_m", period_m)])
+            Self::RoughEnd { force_n, from_m, width_m } => {
+                ("rough-end", vec![("force_n", force_n), ("from_m", from_m), ("width_m", width_m)])
             }
             Self::KinkedSpring { from_m, ratio } => {
                 ("kinked-spring", vec![("from_m", from_m), ("ratio", ratio)])

@@ -1,5 +1,6 @@
 //! Dry friction: contacts that slip one way or stick, switched at located events.
 
+use crate::effect::Rubbing;
 use crate::machine::{Frame, MOST, Machine, P, Row, State, add, dot};
 
 /// How a dry contact moves.
@@ -46,7 +47,8 @@ impl Machine<'_> {
         if contact == 1 {
             return self.of.output_friction;
         }
-        self.of.rotor_bound(dot(&self.extension, &s.x), speed, direction, load)
+        let (y, warmer_k) = (dot(&self.extension, &s.x), self.warmer_k);
+        self.of.rotor_bound(&Rubbing { y, speed, direction, load, warmer_k })
     }
 
     /// Acceleration under smooth forces `q` and contact forces `f`.

@@ -1,6 +1,7 @@
 //! What acts inside an actuator beside its linear parts: one set of laws for benches and legs.
 
 use crate::beyond::Beyond;
+use crate::effect::Rubbing;
 use crate::reference::Reference;
 
 impl Reference {
@@ -40,28 +41,23 @@ impl Reference {
     /// Whether the rotor has dry friction.
     pub(crate) fn has_rotor_friction(&self) -> bool {
         self.coulomb > 0.0
-            || self.stribeck.is_some()
-            || self.load_friction > 0.0
-            || self.directed.is_some()
-            || matches!(self.beyond, Some(Beyond::PositionFriction { .. } | Beyond::FrictionBump { .. }))
+            || !self.rotor_friction.is_empty()
+            || matches!(self.beyond, Some(Beyond::RoughEnd { .. } | Beyond::FrictionBump { .. }))
     }
 
-    /// Bound of the rotor's dry friction, N, at an extension `y` and a speed in a direction, +1 or -1, under the
-    /// force in the screw.
-    pub(crate) fn rotor_bound(&self, y: f64, speed: f64, direction: f64, load: f64) -> f64 {
-        let stribeck = self
-            .stribeck
-            .map_or(0.0, |[low, high, velocity]| low + (high - low) * (-(speed / velocity).powi(2)).exp());
-        let directed = self.directed.map_or(0.0, |[force, a]| force * (1.0 + a * direction));
+    /// Bound of the rotor's dry friction, N.
+    pub(crate) fn rotor_bound(&self, at: &Rubbing) -> f64 {
+        let y = at.y;
+        let laws: f64 = self.rotor_friction.iter().map(|law| (law.bound)(&law.values, at)).sum();
         let placed = match self.beyond {
-            Some(Beyond::PositionFriction { force_n, period_m }) => {
-                force_n * (1.0 + (std::f64::consts::TAU * y / period_m).sin())
+            Some(Beyond::RoughEnd { force_n, from_m, width_m }) => {
+                0.5 * force_n * (1.0 + ((y - from_m) / width_m).tanh())
             }
             Some(Beyond::FrictionBump { force_n, at_m, width_m }) => {
                 force_n * (-((y - at_m) / width_m).powi(2)).exp()
             }
             _ => 0.0,
         };
-        self.coulomb + stribeck + directed + self.load_friction * load.abs() + placed
+        self.coulomb + laws + placed
     }
 }

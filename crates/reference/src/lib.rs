@@ -9,6 +9,7 @@
 
 mod beyond;
 pub mod campaign;
+mod effect;
 mod friction;
 mod laws;
 pub mod leg;
@@ -17,4 +18,5 @@ mod reference;
 mod sensor;
 
 pub use beyond::{Beyond, Whereabouts};
+pub use effect::{FrictionLaw, Rubbing};
 pub use reference::{End, Outputs, Reference, SensorErrors};

@@ -15,13 +15,13 @@ pub(crate) const P: usize = 0;
 pub(crate) struct State {
     pub x: Row,
     pub v: Row,
-    /// Forces of the presliding element and of the slipping element beside the spring.
-    pub slip: [f64; 2],
+    /// Forces of the presliding element, of the slipping element beside the spring, and of Dahl's friction.
+    pub slip: [f64; 3],
 }
 
 impl State {
     /// Everything at rest, the spring relaxed.
-    pub const REST: Self = Self { x: [0.0; MOST], v: [0.0; MOST], slip: [0.0; 2] };
+    pub const REST: Self = Self { x: [0.0; MOST], v: [0.0; MOST], slip: [0.0; 3] };
 }
 
 /// What is fixed during a step: the command's force and how the dry contacts move.
@@ -43,6 +43,8 @@ pub(crate) struct Machine<'a> {
     wobbling: Option<usize>,
     /// The spring's force now as a ratio of what it was at the beginning.
     pub spring_left: f64,
+    /// By how much the drive is warmer now than at the temperature for which its friction is stated, K.
+    pub warmer_k: f64,
 }
 
 pub(crate) fn dot(a: &Row, b: &Row) -> f64 {
@@ -83,7 +85,7 @@ impl<'a> Machine<'a> {
         for (end, row) in [(of.link_1, unit(link_1)), (of.link_2, link_2)] {
             match end {
                 End::Held => {}
-                End::Mass(m) => put(m, &row),
+                End::Mass(m) | End::Mounted([m, ..]) => put(m, &row),
                 End::Pendulum { mass_kg, length_m, arm_m } => put(mass_kg * (length_m / arm_m).powi(2), &row),
             }
         }
@@ -94,8 +96,18 @@ impl<'a> Machine<'a> {
             put(w[0], &unit(wobbling));
         }
         let inverse_mass = invert(mass, count);
-        let spring_left = 1.0;
-        Self { of, count, inverse_mass, extension, link_2, link_1, screw_end, wobbling, spring_left }
+        Self {
+            of,
+            count,
+            inverse_mass,
+            extension,
+            link_2,
+            link_1,
+            screw_end,
+            wobbling,
+            spring_left: 1.0,
+            warmer_k: 0.0,
+        }
     }
 
     /// The spring's force without its slipping element.
@@ -118,6 +130,7 @@ impl<'a> Machine<'a> {
         }
         let on_screw = of.on_screw(motor, y, y_dot)
             - state.slip[0]
+            - state.slip[2]
             - match of.beyond {
                 Some(Beyond::SquareRootDamper { coefficient }) => {
                     coefficient * y_dot.abs().sqrt() * y_dot.signum()
@@ -132,6 +145,9 @@ impl<'a> Machine<'a> {
         q[P] += spring;
         if let Some(i) = self.link_1 {
             q[i] -= spring;
+            if let End::Mounted([_, k, c]) = of.link_1 {
+                q[i] -= k * x[i] + c * v[i];
+            }
         }
         let x_2 = dot(&self.link_2, x);
         if let (Some([k, _]), Some(s)) = (of.series, self.screw_end) {
@@ -157,14 +173,22 @@ impl<'a> Machine<'a> {
     }
 
     /// Rates of the two elastic elements: they creep no further once they slip.
-    fn slip_rates(&self, state: &State) -> [f64; 2] {
+    fn slip_rates(&self, state: &State) -> [f64; 3] {
         let held = |parameters: Option<[f64; 2]>, stiffness: usize, f: f64, speed: f64| match parameters {
             Some(p) if !(f.abs() >= p[1 - stiffness] && f * speed > 0.0) => p[stiffness] * speed,
             _ => 0.0,
         };
         let y_dot = dot(&self.extension, &state.v);
         let rate = self.link_1.map_or(0.0, |i| state.v[i]) - state.v[P];
-        [held(self.of.presliding, 1, state.slip[0], y_dot), held(self.of.spring_slip, 0, state.slip[1], rate)]
+        let dahl = self
+            .of
+            .dahl
+            .map_or(0.0, |[bound, stiffness]| stiffness * (y_dot - y_dot.abs() * state.slip[2] / bound));
+        [
+            held(self.of.presliding, 1, state.slip[0], y_dot),
+            held(self.of.spring_slip, 0, state.slip[1], rate),
+            dahl,
+        ]
     }
 
     /// Force 1, force 2, extension, deflection, position of link 2.
@@ -182,10 +206,10 @@ impl<'a> Machine<'a> {
     /// One Runge-Kutta step with everything in its mode.
     pub fn runge_kutta(&self, from: &State, frame: &Frame, h: f64) -> State {
         let slope = |s: &State| (s.v, self.accelerate(s, frame), self.slip_rates(s));
-        let moved = |k: &(Row, Row, [f64; 2]), h: f64| State {
+        let moved = |k: &(Row, Row, [f64; 3]), h: f64| State {
             x: add(&from.x, h, &k.0),
             v: add(&from.v, h, &k.1),
-            slip: [from.slip[0] + h * k.2[0], from.slip[1] + h * k.2[1]],
+            slip: std::array::from_fn(|i| from.slip[i] + h * k.2[i]),
         };
         let k1 = slope(from);
         let k2 = slope(&moved(&k1, 0.5 * h));
@@ -197,7 +221,7 @@ impl<'a> Machine<'a> {
             to.x[i] += mean(k1.0[i], k2.0[i], k3.0[i], k4.0[i]);
             to.v[i] += mean(k1.1[i], k2.1[i], k3.1[i], k4.1[i]);
         }
-        for i in 0..2 {
+        for i in 0..3 {
             to.slip[i] += mean(k1.2[i], k2.2[i], k3.2[i], k4.2[i]);
         }
         if let Some([bound, _]) = self.of.presliding {

@@ -1,6 +1,7 @@
 //! An actuator with everything that may act in it, and its run under a held command.
 
 use crate::beyond::Beyond;
+use crate::effect::{FrictionLaw, Known};
 use crate::machine::{Machine, State};
 use crate::sensor::Chain;
 pub use crate::sensor::SensorErrors;
@@ -14,6 +15,8 @@ pub enum End {
     Held,
     /// A free mass, kg.
     Mass(f64),
+    /// A mass (kg) on a spring (N/m) and a damper (N s/m).
+    Mounted([f64; 3]),
     /// A point mass (kg) at a distance (m) that a lever (m) turns, in gravity.
     Pendulum {
         /// kg.
@@ -49,12 +52,12 @@ pub struct Reference {
     pub coulomb: f64,
     /// Elastic presliding friction: force, stiffness.
     pub presliding: Option<[f64; 2]>,
-    /// Stribeck friction: Coulomb and static level, velocity.
-    pub stribeck: Option<[f64; 3]>,
-    /// Load-dependent friction: coefficient.
-    pub load_friction: f64,
-    /// Direction-dependent friction: force, asymmetry.
-    pub directed: Option<[f64; 2]>,
+    /// Dahl friction: force, stiffness.
+    pub dahl: Option<[f64; 2]>,
+    /// By how much the drive warms, from the temperature at which its friction is stated, K/s.
+    pub warms_k_s: f64,
+    /// Further laws of the rotor's dry friction, whose bounds add up.
+    pub rotor_friction: Vec<FrictionLaw>,
     /// Quadratic drag: coefficient.
     pub drag: f64,
     /// Torque ripple: amplitude, cycles per turn, phase.
@@ -117,9 +120,9 @@ impl Reference {
             link_2: End::Held,
             coulomb: 0.0,
             presliding: None,
-            stribeck: None,
-            load_friction: 0.0,
-            directed: None,
+            dahl: None,
+            warms_k_s: 0.0,
+            rotor_friction: Vec::new(),
             drag: 0.0,
             ripple: [0.0; 3],
             command_limit: f64::INFINITY,
@@ -172,34 +175,8 @@ impl Reference {
     /// For an id that it does not know: a mistake in a program, not in an input.
     #[must_use]
     pub fn with(mut self, id: &str, values: &[f64]) -> Self {
-        let (id, channel) = id.split_once('@').map_or((id, None), |(id, c)| (id, Some(c.to_owned())));
-        match id {
-            "coulomb-friction" => self.coulomb = values[0],
-            "presliding-friction" => self.presliding = Some([values[0], values[1]]),
-            "stribeck-friction" => self.stribeck = Some([values[0], values[1], values[2]]),
-            "load-dependent-friction" => self.load_friction = values[0],
-            "direction-dependent-friction" => self.directed = Some([values[0], values[1]]),
-            "quadratic-drag" => self.drag = values[0],
-            "torque-ripple" => self.ripple = [values[0], values[1], values[2]],
-            "current-saturation" => self.command_limit = values[0],
-            "voltage-saturation" => self.voltage = Some([values[0], values[1]]),
-            "transport-delay" => self.command_delay_s = values[0],
-            "command-quantisation" => self.count = Some([values[0], values[1]]),
-            "hardening-spring" => self.cubic = values[0],
-            "spring-damping" => self.spring_damping = values[0],
-            "spring-hysteresis" => self.spring_slip = Some([values[0], values[1]]),
-            "backlash" => self.gap = values[0],
-            "series-compliance" => self.series = Some([values[0], values[1]]),
-            "structural-mode" => self.sensors.mode = Some([values[0], values[1], values[2]]),
-            "sensor-lag" => self.sensors.lag = Some((channel, values[0])),
-            "sensor-delay" => self.sensors.delay = Some((channel, values[0])),
-            "output-friction" => {
-                let arm = if let End::Pendulum { arm_m, .. } = self.link_2 { arm_m } else { 1.0 };
-                self.output_friction = values[0] / arm;
-            }
-            "wobbling-mass" => self.wobbling = Some([values[0], values[1], values[2], values[3]]),
-            other => panic!("the reference integrator does not know '{other}'"),
-        }
+        let Some(known) = Known::of(id) else { panic!("the reference integrator does not know '{id}'") };
+        (known.put)(&mut self, values, id.split_once('@').map(|(_, channel)| channel));
         self
     }
 
@@ -218,6 +195,7 @@ impl Reference {
                 for sub in 0..substeps {
                     let from = (n as f64 - 1.0 + sub as f64 / substeps as f64) * period_s;
                     machine.spring_left = self.spring_left(from);
+                    machine.warmer_k = self.warms_k_s * from;
                     // The number of the command that is in force; a billionth of a period is rounding.
                     let late = (from - self.command_delay_s) / period_s;
                     let at = (late + 1e-9).floor();

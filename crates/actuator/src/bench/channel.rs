@@ -16,6 +16,9 @@ pub const ENABLE: &str = "enable";
 /// The measured supply of a servo, beside its input, V.
 pub const SUPPLY: &str = "supply_v";
 
+/// The measured temperature of the drive, beside its input, degrees Celsius.
+pub const TEMPERATURE: &str = "temperature_c";
+
 /// Output columns of any bench.
 pub const OUTPUTS: [&str; 11] = [
     "force_1_n",

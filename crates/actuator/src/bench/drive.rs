@@ -70,6 +70,7 @@ impl BenchModel {
                 _ => None,
             },
             output_moves: rigid || load != Link::Fixed,
+            base_is_held: self.bench.links().0 == Link::Fixed,
             seen: seen.clone(),
         }
     }

@@ -21,7 +21,7 @@ mod run;
 mod sensor;
 mod signature;
 
-pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, command_times};
+pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE, command_times};
 pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
 pub use run::{RunSetup, start_of};
@@ -418,7 +418,16 @@ impl BenchModel {
         let (mut late, mut unused) = (time_s.to_vec(), input.values.clone());
         plant.laws.command_stages.iter().for_each(|stage| stage.apply(&mut late, &mut unused));
         let (enable, supply) = (side(ENABLE, &late), side(SUPPLY, &record.time_s));
-        let feed = Feed { commands: &commands, enable: enable.as_deref(), supply_v: supply.as_deref() };
+        let felt = plant.laws.rotor_friction.iter().any(|law| law.feels_temperature());
+        let temperature = record.input(TEMPERATURE).filter(|_| felt);
+        let temperature =
+            temperature.map(|t| mean_per_step(&record.time_s, t, InputHold::ZeroOrder, &[], &grid));
+        let feed = Feed {
+            commands: &commands,
+            enable: enable.as_deref(),
+            supply_v: supply.as_deref(),
+            temperature_c: temperature.as_deref(),
+        };
         let trace = match self.observed.as_ref().and_then(|o| o.observer(record, &plant, &grid, self)) {
             Some(observer) => plant.observe(grid, feed, &observer)?,
             None => plant.simulate_fed(grid, feed)?,

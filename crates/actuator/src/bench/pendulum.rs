@@ -42,7 +42,7 @@ mod tests {
     fn published_effective_mass_and_gravity_stiffness() {
         let link = PendulumRig::default().link();
         assert!((link.mass_kg() - 68.49).abs() < 0.005);
-        assert!((link.gravity_stiffness_n_m() - 2239.6).abs() < 0.05);
+        assert!((link.stiffness_n_m() - 2239.6).abs() < 0.05);
     }
 
     #[test]

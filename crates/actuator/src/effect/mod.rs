@@ -5,10 +5,13 @@
 //! A user writes an effect of their own without recompiling, as a file with an expression: [`OwnEffect`].
 
 mod backlash;
+mod base_motion;
 mod cable_stiffness;
+mod carried;
 mod command_quantisation;
 mod coulomb_friction;
 mod current_saturation;
+mod dahl_friction;
 mod direction_dependent_friction;
 mod directional_efficiency;
 mod feedback_delay;
@@ -17,6 +20,7 @@ mod load_dependent_friction;
 mod output_friction;
 mod output_offset;
 mod own;
+mod position_dependent_friction;
 mod presliding_friction;
 mod pwm_dead_zone;
 mod quadratic_drag;
@@ -30,12 +34,14 @@ mod spring_hysteresis;
 mod stribeck_friction;
 mod structural_mode;
 mod supply_sag;
+mod temperature_friction;
 mod torque_ripple;
 mod transport_delay;
 mod voltage_saturation;
 mod warming_friction;
 mod wobbling_mass;
 
+pub use carried::is_of_actuator;
 pub(crate) use current_saturation::limit_current;
 pub(crate) use own::embedded;
 pub use own::{Expression, Fault, OwnEffect};
@@ -60,6 +66,9 @@ pub enum Scope {
     ForceSensors,
 }
 
+/// What [`Effect::friction_bound`] may depend on: extension and speed of the screw (m, m/s) and the force in it (N).
+pub const FRICTION_NAMES: [&str; 3] = ["y", "y_dot", "F_bs"];
+
 /// A physical effect that an actuator can have.
 pub trait Effect: Debug + Send + Sync {
     /// Id, law, parameters with guesses that suit the setting.
@@ -79,6 +88,13 @@ pub trait Effect: Debug + Send + Sync {
         None
     }
 
+    /// Of a dry friction of the rotor its bound at these values as an expression, in the words of a user's own law
+    /// ([`FRICTION_NAMES`]): other simulators evaluate it in a callback. `None` for everything else, and for what a
+    /// writer of `sealegs-export` has an element of its own for.
+    fn friction_bound(&self, _values: &[f64]) -> Option<String> {
+        None
+    }
+
     /// Whether it makes sense in this setting at all (a pendulum's friction needs a pendulum).
     fn applies(&self, _setting: &Setting) -> bool {
         true
@@ -89,11 +105,14 @@ pub trait Effect: Debug + Send + Sync {
 pub static CATALOGUE: &[&dyn Effect] = &[
     &coulomb_friction::CoulombFriction,
     &presliding_friction::PreslidingFriction,
+    &dahl_friction::DahlFriction,
     &stribeck_friction::StribeckFriction,
     &load_dependent_friction::LoadDependentFriction,
     &direction_dependent_friction::DirectionDependentFriction,
+    &position_dependent_friction::PositionDependentFriction,
     &directional_efficiency::DirectionalEfficiency,
     &warming_friction::WarmingFriction,
+    &temperature_friction::TemperatureFriction,
     &quadratic_drag::QuadraticDrag,
     &torque_ripple::TorqueRipple,
     &current_saturation::CurrentSaturation,
@@ -108,6 +127,7 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &spring_hysteresis::SpringHysteresis,
     &backlash::Backlash,
     &series_compliance::SeriesComplianceEffect,
+    &base_motion::BaseMotion,
     &structural_mode::StructuralMode,
     &sensor_lag::SensorLag,
     &sensor_delay::SensorDelay,

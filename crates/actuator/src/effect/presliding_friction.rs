@@ -2,7 +2,7 @@
 
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
-use crate::plant::{ElastoSlip, Plant};
+use crate::plant::{ElastoSlip, Onset, Plant};
 use sealegs_model::EffectCard;
 
 /// Dry friction that yields elastically before it slips.
@@ -48,7 +48,11 @@ impl Effect for PreslidingFriction {
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         if values[0] > 0.0 {
-            plant.laws.rotor_presliding = Some(ElastoSlip { bound: values[0], stiffness: values[1] });
+            plant.laws.rotor_presliding.push(ElastoSlip {
+                bound: values[0],
+                stiffness: values[1],
+                onset: Onset::Sudden,
+            });
         }
     }
 }
@@ -59,7 +63,7 @@ mod tests {
 
     #[test]
     fn analytic_holds_within_its_bound() {
-        let element = ElastoSlip { bound: 10.0, stiffness: 1e6 };
+        let element = ElastoSlip { bound: 10.0, stiffness: 1e6, onset: Onset::Sudden };
         assert!((element.advance(0.0, 4e-6) - 4.0).abs() < 1e-12);
         assert_eq!(element.advance(9.0, 4e-6), 10.0);
         assert_eq!(element.advance(10.0, -1.0), -10.0);

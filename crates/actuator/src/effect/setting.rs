@@ -98,6 +98,8 @@ pub struct Setting {
     pub output_arm_m: Option<f64>,
     /// Whether link 2 moves.
     pub output_moves: bool,
+    /// Whether link 1, the spring side, is held by a bench.
+    pub base_is_held: bool,
     /// The runs at hand.
     pub seen: Excitation,
 }
@@ -118,6 +120,7 @@ impl Setting {
             force_per_command: 1.0,
             output_arm_m: None,
             output_moves: false,
+            base_is_held: true,
             seen: Excitation::default(),
         }
     }

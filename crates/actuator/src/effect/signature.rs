@@ -15,6 +15,13 @@ const POINTS: usize = 400;
 /// A change of a spring's force below this share of the force itself is drawn alone.
 const SMALL: f64 = 0.2;
 
+/// Between two points of a friction over the place it changes by less than this share of its range, or less of the way is
+/// drawn: some six waves.
+const WAVE: f64 = 0.05;
+
+/// Most halvings of the way over which a friction is drawn.
+const MOST_HALVINGS: usize = 40;
+
 /// One axis of a [`Graph`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GraphAxis {
@@ -90,6 +97,7 @@ pub(crate) fn law(without: &Plant, with: &Plant, setting: &Setting) -> Option<Gr
         .or_else(|| pair.on_rotor())
         .or_else(|| pair.spring())
         .or_else(|| pair.series())
+        .or_else(|| pair.mounting())
         .or_else(|| pair.sensor())
         .or_else(|| pair.on_output())
         .or_else(|| pair.output_friction())
@@ -174,6 +182,16 @@ impl Pair<'_> {
             let graph = Graph::new("Friction while its heat grows", ("heat", "J"), ("friction", unit));
             return Some(graph.sweep("", (0.0, heat), |heat| bound(Slip { heat, ..moving })));
         }
+        if bound(moving) != bound(Slip { warmer_k: 20.0, ..moving }) {
+            let graph = Graph::new("Friction while the drive warms", ("above 25 C", "K"), ("friction", unit));
+            return Some(graph.sweep("", (-20.0, 60.0), |warmer_k| bound(Slip { warmer_k, ..moving })));
+        }
+        let placed = |position: f64| bound(Slip { position, ..moving });
+        if let Some(range) = self.range_of(placed) {
+            let x = ("screw's extension", self.length_unit());
+            let graph = Graph::new("Friction over the screw's place", x, ("friction", unit));
+            return Some(graph.sweep("", (-range, range), placed));
+        }
         if bound(moving) != bound(Slip { load: 0.9 * force, ..moving }) {
             let graph =
                 Graph::new("Friction over the load", ("force in the screw", unit), ("friction", unit));
@@ -186,9 +204,28 @@ impl Pair<'_> {
         Some(graph.sweep("", (-speed, speed), at))
     }
 
+    /// How far to either side a friction is drawn over the place: the travel, or as much of it as shows single waves; `None`
+    /// where the place does not matter.
+    fn range_of(&self, placed: impl Fn(f64) -> f64) -> Option<f64> {
+        let mut range = self.setting.travel();
+        for _ in 0..MOST_HALVINGS {
+            let values: Vec<f64> = sweep(-range, range).map(&placed).collect();
+            let (low, high) =
+                values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+            if low == high {
+                return None;
+            }
+            let jump = values.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+            if jump < WAVE * (high - low) {
+                break;
+            }
+            range *= 0.5;
+        }
+        Some(range)
+    }
+
     fn presliding(&self) -> Option<Graph> {
-        let element =
-            self.with.laws.rotor_presliding.filter(|_| self.without.laws.rotor_presliding.is_none())?;
+        let element = self.with.laws.rotor_presliding.get(self.without.laws.rotor_presliding.len())?;
         let (mut f, mut before) = (0.0, 0.0);
         let amplitude = 2.5 * element.bound / element.stiffness;
         let loops = (0..5 * POINTS / 4).map(|i| {
@@ -268,6 +305,22 @@ impl Pair<'_> {
         let forces = || sweep(-force, force);
         let graph = graph.curve("spring alone", forces().map(|f| (f / k, f)));
         Some(graph.curve("with the effect", forces().map(|f| (f / k + f / series.stiffness, f))))
+    }
+
+    /// How far a mounting moves per force that oscillates, over its frequency.
+    fn mounting(&self) -> Option<Graph> {
+        let Link::Mounted { mass_kg, stiffness_n_m, damping_n_s_m } = self.with.link_1 else { return None };
+        if self.without.link_1 == self.with.link_1 {
+            return None;
+        }
+        let own_hz = (stiffness_n_m / mass_kg).sqrt() / TAU;
+        let moved = |hz: f64| {
+            let w = TAU * hz;
+            1.0 / (stiffness_n_m - mass_kg * w * w).hypot(damping_n_s_m * w)
+        };
+        let unit = if self.linear() { "m/N" } else { "rad/(N m)" };
+        let graph = Graph::new("How far the mounting moves per force", ("frequency", "Hz"), ("motion", unit));
+        Some(graph.sweep("", (0.0, 3.0 * own_hz), moved))
     }
 
     /// What a sensor shows of a step.

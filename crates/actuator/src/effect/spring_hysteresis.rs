@@ -2,7 +2,7 @@
 
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
-use crate::plant::{ElastoSlip, Plant};
+use crate::plant::{ElastoSlip, Onset, Plant};
 use sealegs_model::EffectCard;
 
 /// Slip in the spring's clamp: an elastic element beside it that slips.
@@ -46,7 +46,8 @@ impl Effect for SpringHysteresis {
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         if values[1] > 0.0 {
-            plant.laws.spring_slip = Some(ElastoSlip { stiffness: values[0], bound: values[1] });
+            plant.laws.spring_slip =
+                Some(ElastoSlip { stiffness: values[0], bound: values[1], onset: Onset::Sudden });
         }
     }
 
@@ -61,7 +62,7 @@ mod tests {
 
     #[test]
     fn analytic_loop_width_is_twice_the_slip_force() {
-        let element = ElastoSlip { stiffness: 1e5, bound: 20.0 };
+        let element = ElastoSlip { stiffness: 1e5, bound: 20.0, onset: Onset::Sudden };
         let up = element.advance(0.0, 1e-3);
         let down = element.advance(up, -2e-3);
         assert_eq!(up - down, 40.0);

@@ -80,10 +80,9 @@ impl Plant {
         if !(self.laws.spring_path.is_empty() && self.laws.spring_forces.is_empty()) {
             stored += self.spring_energy(delta, state.time_s) - 0.5 * self.stiffness * delta * delta;
         }
-        for (element, force) in
-            [(self.laws.rotor_presliding, state.presliding), (self.laws.spring_slip, state.spring_slip)]
-        {
-            stored += element.map_or(0.0, |e| 0.5 * force * force / e.stiffness);
+        let elastic = self.laws.rotor_presliding.iter().zip(state.presliding);
+        for (element, force) in elastic.chain(self.laws.spring_slip.iter().map(|e| (e, state.spring_slip))) {
+            stored += 0.5 * force * force / element.stiffness;
         }
         if let (Link::Pendulum { gravity_torque_nm, arm_m, .. }, Some(i)) =
             (self.rigid.unwrap_or(self.link_2), linear.coordinates.link_2.or(self.rigid.map(|_| 0)))

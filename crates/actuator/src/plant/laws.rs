@@ -14,8 +14,8 @@ pub struct Laws {
     pub drive_limits: Vec<Box<dyn DriveLimit>>,
     /// Dry friction of the rotor; the bounds add up. At rest it holds exactly, without creep.
     pub rotor_friction: Vec<Box<dyn DryFriction>>,
-    /// Elastic presliding friction of the rotor.
-    pub rotor_presliding: Option<ElastoSlip>,
+    /// Elastic presliding frictions of the rotor, at most [`MOST_PRESLIDING`]; their forces add up.
+    pub rotor_presliding: Vec<ElastoSlip>,
     /// Smooth forces on the rotor.
     pub rotor_forces: Vec<Box<dyn RotorForce>>,
     /// In line with the spring.
@@ -29,6 +29,9 @@ pub struct Laws {
     /// In front of or inside the sensors.
     pub sensor_stages: Vec<Box<dyn SensorStage>>,
 }
+
+/// Most elastic presliding frictions of one rotor: of a sudden onset and of a gradual one.
+pub const MOST_PRESLIDING: usize = 2;
 
 /// Points over a step at which play is looked at.
 const OVER_A_STEP: u32 = 16;

@@ -83,14 +83,15 @@ impl LinearPart {
         add_square(&mut part.damping, plant.damping, &y);
         if let Some(load) = plant.rigid.filter(|load| *load != Link::Fixed) {
             add_square(&mut part.mass, load.mass_kg(), &y);
-            add_square(&mut part.stiffness, load.gravity_stiffness_n_m(), &y);
+            add_square(&mut part.stiffness, load.stiffness_n_m(), &y);
         }
         add_square(&mut part.damping, plant.laws.spring_damping, &deflection);
         add_square(&mut part.stiffness, plant.stiffness, &deflection);
         for (link, row) in [(plant.link_1, x_1), (plant.link_2, x_2)] {
             if link != Link::Fixed {
                 add_square(&mut part.mass, link.mass_kg(), &row);
-                add_square(&mut part.stiffness, link.gravity_stiffness_n_m(), &row);
+                add_square(&mut part.stiffness, link.stiffness_n_m(), &row);
+                add_square(&mut part.damping, link.damping_n_s_m(), &row);
             }
         }
         if let Some(series) = plant.series {

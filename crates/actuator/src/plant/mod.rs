@@ -33,12 +33,13 @@ mod trace;
 pub use command::{Grid, mean_per_step};
 pub use energy::EnergyLedger;
 pub use friction::Sliding;
-pub use laws::Laws;
+pub use laws::{Laws, MOST_PRESLIDING};
 pub use linear::Coordinates;
 pub use linearised::Linearised;
 pub use observer::{Observer, Pull, ReferenceMotion, observer_rate, pull_at, rigid_observer_rate, smoothed};
 pub use ports::{
-    CommandStage, DriveLimit, DryFriction, ElastoSlip, RotorForce, SensorStage, Slip, SpringForce, SpringPath,
+    CommandStage, DriveLimit, DryFriction, ElastoSlip, Onset, REFERENCE_TEMPERATURE_C, RotorForce,
+    SensorStage, Slip, SpringForce, SpringPath,
 };
 pub use servo::{Feed, Servo, Winding};
 pub use trace::{Trace, sample};
@@ -53,6 +54,15 @@ pub enum Link {
     Fixed,
     /// A free mass along the axis, kg.
     Mass(f64),
+    /// A mass that a spring and a damper tie to the world: a rig that yields.
+    Mounted {
+        /// kg.
+        mass_kg: f64,
+        /// N/m.
+        stiffness_n_m: f64,
+        /// N s/m.
+        damping_n_s_m: f64,
+    },
     /// A pendulum on a lever of constant arm: the end moves by `x = arm * angle`, the angle from hanging.
     Pendulum {
         /// Moment of inertia about the joint, kg m^2.
@@ -70,18 +80,25 @@ impl Link {
     pub fn mass_kg(&self) -> f64 {
         match *self {
             Self::Fixed => f64::INFINITY,
-            Self::Mass(mass) => mass,
+            Self::Mass(mass) | Self::Mounted { mass_kg: mass, .. } => mass,
             Self::Pendulum { inertia_kg_m2, arm_m, .. } => inertia_kg_m2 / (arm_m * arm_m),
         }
     }
 
-    /// The stiffness of gravity about hanging that the actuator feels along its axis, N/m.
+    /// The stiffness that the actuator feels along its axis, N/m: of gravity about hanging, or of the mounting.
     #[must_use]
-    pub fn gravity_stiffness_n_m(&self) -> f64 {
+    pub fn stiffness_n_m(&self) -> f64 {
         match *self {
             Self::Pendulum { gravity_torque_nm, arm_m, .. } => gravity_torque_nm / (arm_m * arm_m),
+            Self::Mounted { stiffness_n_m, .. } => stiffness_n_m,
             _ => 0.0,
         }
+    }
+
+    /// The damping that the actuator feels along its axis, N s/m.
+    #[must_use]
+    pub fn damping_n_s_m(&self) -> f64 {
+        if let Self::Mounted { damping_n_s_m, .. } = *self { damping_n_s_m } else { 0.0 }
     }
 }
 

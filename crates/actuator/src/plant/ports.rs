@@ -19,7 +19,12 @@ pub struct Slip {
     pub load: f64,
     /// Heat that the rotor's dry friction has made since the beginning of the run, J.
     pub heat: f64,
+    /// By how much the drive is warmer than [`REFERENCE_TEMPERATURE_C`] by its log, K; 0 where none was logged.
+    pub warmer_k: f64,
 }
+
+/// The temperature at which the parameters of a law of temperature are stated, degrees Celsius.
+pub const REFERENCE_TEMPERATURE_C: f64 = 25.0;
 
 /// Dry friction between the rotor and the motor housing: a bound that holds the rotor at rest and opposes
 /// its motion when it moves.
@@ -35,6 +40,11 @@ pub trait DryFriction: Debug + Send + Sync {
     /// Whether the bound depends on the load; saying no saves time.
     fn feels_load(&self) -> bool {
         true
+    }
+
+    /// Whether the bound depends on the temperature, which is looked up only where one does.
+    fn feels_temperature(&self) -> bool {
+        false
     }
 }
 
@@ -84,21 +94,131 @@ pub trait SensorStage: Debug + Send + Sync {
     fn apply(&self, values: &mut [f64], h: f64);
 }
 
-/// An elastic element in series with a dry slider: `f' = stiffness * rate`, held within `±bound`.
+/// How an elastic element passes into slip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Onset {
+    /// It is a spring up to its bound, and slips there: `f' = k v`, held within `±F`.
+    Sudden,
+    /// It yields from the first motion on: `f' = k v (1 - f sign(v) / F)` (P. R. Dahl 1968).
+    Gradual,
+}
+
+/// An elastic element in series with a dry slider. Its force depends on the way that it was moved and not on the speed.
 ///
-/// Beside the rotor it is presliding friction, beside the spring it is the slip of a clamp.
+/// Beside the rotor it is presliding friction, beside the spring it is the slip of a clamp. It stores `f^2 / (2 k)`: of
+/// either onset no more comes out than went in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElastoSlip {
     /// N/m.
     pub stiffness: f64,
     /// N.
     pub bound: f64,
+    /// How it begins to slip.
+    pub onset: Onset,
+}
+
+/// Most steps of Newton's method towards a travel: it settles within ten.
+const MOST_STEPS: usize = 60;
+
+/// Below this the exponential's mean is taken from its series, whose next term is below its rounding.
+const SMALL: f64 = 1e-4;
+
+/// The mean of `exp(-x)` from 0 to `x`, and its slope.
+fn mean_decay(x: f64) -> (f64, f64) {
+    if x < SMALL {
+        return (1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)), -0.5 + x * (1.0 / 3.0 - x / 8.0));
+    }
+    let lost = -(-x).exp_m1();
+    (lost / x, ((1.0 - lost) * x - lost) / (x * x))
 }
 
 impl ElastoSlip {
     /// The element's force after its ends have moved by `step` (m), from the force `f` (N) before.
     #[must_use]
     pub fn advance(&self, f: f64, step: f64) -> f64 {
-        (f + self.stiffness * step).clamp(-self.bound, self.bound)
+        match self.onset {
+            Onset::Sudden => (f + self.stiffness * step).clamp(-self.bound, self.bound),
+            Onset::Gradual => {
+                let end = self.bound * step.signum();
+                f + (f - end) * (-self.stiffness * step.abs() / self.bound).exp_m1()
+            }
+        }
+    }
+
+    /// The element's mean force over a step, N, from the force `f` (N) before, where its ends would move by
+    /// `free` (m) without it, and by `softness` (m/N) less for every newton of it.
+    #[must_use]
+    #[inline]
+    pub fn mean_force(&self, f: f64, free: f64, softness: f64) -> f64 {
+        match self.onset {
+            Onset::Sudden => {
+                let half = 0.5 * self.stiffness;
+                ((f + half * free) / (1.0 + half * softness)).clamp(-self.bound, self.bound)
+            }
+            Onset::Gradual => self.gradual_mean(f, free, softness),
+        }
+    }
+
+    /// Of the travel `a >= 0` in the direction of the push, `a - push + softness (mean force) = 0` is increasing and
+    /// concave: Newton's method comes from below and never passes it.
+    fn gradual_mean(&self, f: f64, free: f64, softness: f64) -> f64 {
+        let direction = (free - softness * f).signum();
+        let (f, free, per_travel) = (f * direction, free * direction, self.stiffness / self.bound);
+        let mut travel = 0.0_f64;
+        let mut mean = f;
+        for _ in 0..MOST_STEPS {
+            let (share, slope) = mean_decay(per_travel * travel);
+            mean = self.bound + (f - self.bound) * share;
+            let excess = travel - free + softness * mean;
+            let step = -excess / (1.0 + softness * (f - self.bound) * slope * per_travel);
+            travel = (travel + step).max(0.0);
+            if step.abs() <= 1e-15 * travel {
+                break;
+            }
+        }
+        direction * mean
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRADUAL: ElastoSlip = ElastoSlip { stiffness: 2e6, bound: 30.0, onset: Onset::Gradual };
+
+    #[test]
+    fn analytic_gradual_onset_approaches_its_bound_exponentially() {
+        // f = F (1 - exp(-k y / F)) from rest; any way in parts is the same way.
+        let law = |y: f64| 30.0 * (1.0 - (-2e6 * y / 30.0).exp());
+        let whole = GRADUAL.advance(0.0, 2e-5);
+        assert!((whole - law(2e-5)).abs() < 1e-12);
+        let parts = (0..50).fold(0.0, |f, _| GRADUAL.advance(f, 4e-7));
+        assert!((parts - whole).abs() < 1e-12);
+        assert_eq!(GRADUAL.advance(7.0, 0.0), 7.0);
+        assert!(GRADUAL.advance(29.9, 1.0) <= 30.0 && GRADUAL.advance(0.0, -1.0) >= -30.0);
+    }
+
+    #[test]
+    fn analytic_the_mean_force_belongs_to_the_travel_that_it_leaves() {
+        for element in [GRADUAL, ElastoSlip { onset: Onset::Sudden, ..GRADUAL }] {
+            for (f, free, softness) in [
+                (0.0, 1e-6, 1e-9),
+                (12.0, -3e-5, 4e-7),
+                (-29.0, 2e-4, 1e-6),
+                (20.0, 1e-6, 1e-4),
+                (5.0, 0.0, 1e-8),
+            ] {
+                let mean = element.mean_force(f, free, softness);
+                let travel = free - softness * mean;
+                // By the middles of a thousand parts; the sudden one's mean is that of a step that does not reach its bound.
+                let parts = 1000;
+                let middle = |i: usize| element.advance(f, travel * (i as f64 + 0.5) / parts as f64);
+                let by_parts = (0..parts).map(middle).sum::<f64>() / parts as f64;
+                let elastic = (f + element.stiffness * travel).abs() < element.bound;
+                if element.onset == Onset::Gradual || elastic {
+                    assert!((mean - by_parts).abs() < 1e-5 * element.bound, "{element:?} {mean} {by_parts}");
+                }
+            }
+        }
     }
 }

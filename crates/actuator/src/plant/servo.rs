@@ -1,6 +1,6 @@
 //! A position loop inside the drive: from a goal and the measured position to the duty of the bridge.
 
-use super::{Grid, Trace};
+use super::{Grid, REFERENCE_TEMPERATURE_C, Trace};
 
 /// A servo's own position loop: `duty = clamp(k_p e + k_d e' + k_i integral(e))` with `e = goal - position`.
 ///
@@ -119,6 +119,8 @@ pub struct Feed<'a> {
     pub enable: Option<&'a [f64]>,
     /// The measured supply of a servo, V.
     pub supply_v: Option<&'a [f64]>,
+    /// The measured temperature of the drive, degrees Celsius.
+    pub temperature_c: Option<&'a [f64]>,
 }
 
 impl Feed<'_> {
@@ -126,6 +128,13 @@ impl Feed<'_> {
     #[inline(always)]
     pub(super) fn command(&self, step: usize) -> f64 {
         self.commands.get(step).copied().unwrap_or(0.0)
+    }
+
+    /// By how much the drive is warmer than the reference over a step, K.
+    #[inline(always)]
+    pub(super) fn warmer_k(&self, step: usize) -> f64 {
+        let measured = self.temperature_c.and_then(|t| t.get(step.min(t.len().saturating_sub(1))));
+        measured.map_or(0.0, |t| t - REFERENCE_TEMPERATURE_C)
     }
 
     /// Whether the bridge is open over a step.
@@ -215,7 +224,7 @@ mod tests {
         plant.start = (0.0, 3.0);
         let grid = Grid { start_s: 0.0, step_s: 1e-3, steps: 1000 };
         let (commands, enable) = (vec![5.0; 1000], vec![0.0; 1000]);
-        let feed = Feed { commands: &commands, enable: Some(&enable), supply_v: None };
+        let feed = Feed { commands: &commands, enable: Some(&enable), ..Feed::default() };
         let trace = plant.simulate_fed(grid, feed).expect("finite");
         assert!(trace.screw_speed.iter().all(|v| (v - 3.0).abs() < 1e-12));
         assert!(trace.motor_force.iter().all(|f| *f == 0.0));

@@ -161,9 +161,13 @@ impl ActuatorSpec {
         Ok(self.with_spring(self.spring.with_setting(setting)?))
     }
 
-    /// The same actuator with another spring; a stiffness measured or fitted with the old one is dropped.
+    /// The same actuator with another spring; a stiffness measured or fitted with the old one is dropped. With the spring
+    /// and the setting that it has, nothing changes: what the file states at its own setting is what that setting is.
     #[must_use]
     pub fn with_spring(&self, spring: Spring) -> Self {
+        if spring == self.spring {
+            return self.clone();
+        }
         let mut changed = Self { spring, ..self.clone() };
         if let Some(stiffness) = changed.parameters.get_mut("stiffness") {
             *stiffness = ParameterSpec { value: None, std: None, min: None, max: None, ..stiffness.clone() };

@@ -263,3 +263,13 @@ fn a_stated_value_has_room_on_both_sides_unless_the_bound_is_the_laws_own() {
     effect("id = \"mine\"\n[definition]\nlaw = \"a\"").state(EffectValue { value: 1.5, std: None }, &mut own);
     assert_eq!((own.min, own.max), (0.0, 2.0));
 }
+
+#[test]
+fn published_the_stiff_setting_is_table_5_whether_the_file_or_a_scenario_says_it() {
+    // Table 5 has 655 kN/m, equation 2-10 rounded; the file states it at the setting that it has.
+    let stiff = thor().with_spring_setting("stiff").expect("a setting of THOR");
+    assert_eq!(stiff.coefficients().stiffness, 655e3);
+    assert_eq!(stiff, thor());
+    let compliant = thor().with_spring_setting("compliant").expect("a setting of THOR");
+    assert_ne!(compliant.coefficients().stiffness, 655e3);
+}

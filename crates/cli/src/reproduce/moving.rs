@@ -145,7 +145,7 @@ pub fn explanations(thor: &Thor) -> anyhow::Result<Vec<Explanation>> {
 /// Effective mass (kg) and gravity stiffness (N/m) of a rig.
 fn pendulum_numbers(rig: &PendulumRig) -> (f64, f64) {
     let link = rig.link();
-    (link.mass_kg(), link.gravity_stiffness_n_m())
+    (link.mass_kg(), link.stiffness_n_m())
 }
 
 fn explain(thor: &Thor, (stiffness, mass_kg, gravity): (f64, f64, f64)) -> anyhow::Result<Explanation> {

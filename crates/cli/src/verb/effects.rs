@@ -5,7 +5,7 @@ use anyhow::Context;
 use clap::Args;
 use sealegs::catalogue;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Show the catalogue of effects, or one effect: its law, how it is told from its neighbours, its signature.
 #[derive(Args)]
@@ -31,6 +31,7 @@ pub fn run(arguments: &Effects) -> anyhow::Result<u8> {
         for page in catalogue::book()? {
             Destination::new(&folder.join(&page.file))?.write(page.text.as_bytes())?;
         }
+        list_in_summary(folder)?;
         return Ok(0);
     }
     let json = Destination::optional(arguments.json.as_ref())?;
@@ -55,4 +56,30 @@ pub fn run(arguments: &Effects) -> anyhow::Result<u8> {
         std::io::stdout().write_all(text.as_bytes())?;
     }
     Ok(0)
+}
+
+/// Lists the effects' pages in the book's summary, which lies beside their folder, in the catalogue's order.
+fn list_in_summary(folder: &Path) -> anyhow::Result<()> {
+    let Some(file) = folder.parent().map(|source| source.join("SUMMARY.md")).filter(|f| f.is_file()) else {
+        return Ok(());
+    };
+    let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let of_effect = |line: &&str| line.starts_with("  - [") && line.contains(&format!("]({name}/"));
+    let text = std::fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+    let mut pages = String::new();
+    for entry in catalogue::entries()? {
+        let (id, page) = (&entry.card().id, entry.page_name());
+        let of_leg = if *id == page { "" } else { " (leg)" };
+        pages.push_str(&format!("  - [{id}{of_leg}]({name}/{page}.md)\n"));
+    }
+    let mut out = String::new();
+    for line in text.lines().filter(|line| !of_effect(line)) {
+        out.push_str(line);
+        out.push('\n');
+        if line.contains(&format!("]({name}/index.md)")) {
+            out.push_str(&pages);
+        }
+    }
+    Destination::new(&file)?.write(out.as_bytes())?;
+    Ok(())
 }

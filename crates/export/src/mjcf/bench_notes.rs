@@ -29,6 +29,7 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
             | Term::LoadFriction { .. }
             | Term::ByPower { .. }
             | Term::Warming { .. }
+            | Term::Bound { .. }
             | Term::DirectedFriction { .. } => {
                 callback("sets the frictionloss of the joint 'screw' at every step")
             }

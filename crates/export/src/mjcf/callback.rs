@@ -212,6 +212,9 @@ fn callbacks(out: &mut String, bench: &BenchDescription) {
                  self.spring_force(data)\n        direction = sign(speed if abs(speed) > 1e-8 else pushed)  # noqa: \
                  F841\n        load = lambda: self.screw_force(data)  # noqa: E731, F841"
             );
+            if bench.terms().any(|(_, term)| matches!(term, Term::Bound { .. })) {
+                out.push_str("        y, y_dot = self.extension(data)  # noqa: F841\n        F_bs = load()  # noqa: F841\n");
+            }
             if warms(bench) {
                 // Every run begins cold, and Runge-Kutta asks several times within a step.
                 out.push_str(

@@ -1,7 +1,7 @@
 //! Laws as lines of Python: what a callback adds to MuJoCo's own forces.
 
 use crate::bench::BenchDescription;
-use crate::term::{OwnLaw, Term};
+use crate::term::{OwnLaw, Term, python};
 use crate::text::num;
 use std::fmt::Write;
 
@@ -11,6 +11,10 @@ pub fn friction_bound(bench: &BenchDescription) -> Option<String> {
     let constant = bench.sum(|t| if let Term::Coulomb { force } = t { Some(*force) } else { None });
     let mut parts = Vec::new();
     for (_, term) in bench.terms() {
+        if let Term::Bound { expression } = term {
+            parts.push(format!("({})", python(expression)));
+            continue;
+        }
         match *term {
             Term::Stribeck { coulomb, at_rest, velocity } => parts.push(format!(
                 "max(0.0, {} + {} * exp(-(speed / {}) ** 2))",

@@ -1,6 +1,7 @@
 //! A joint of a robot with its drive: its columns, and what was seen of it.
 
 use sealegs_actuator::bench::BenchModel;
+use sealegs_actuator::bench::TEMPERATURE;
 use sealegs_model::{Excitation, SignalRange};
 
 /// A joint with its drive.
@@ -52,7 +53,9 @@ impl Joint {
         let prefix = format!("{}.", self.name);
         let columns = [Column::Position, Column::Speed];
         let measured = columns.into_iter().filter(|c| seen.measured.contains(&self.channel(*c)));
+        // A joint's thermometer is not fed to its drive: nothing may be asked to follow it.
         let own = seen.ranges.iter().filter_map(|r| Some((r.name.strip_prefix(&prefix)?, r)));
+        let own = own.filter(|(name, _)| *name != TEMPERATURE);
         let command = if self.slides { "motor_force_n" } else { "joint_torque_nm" };
         let ranges = own.map(|(name, range)| SignalRange {
             name: if self.command() == range.name { command.to_owned() } else { name.to_owned() },

@@ -6,7 +6,7 @@
 use super::observed::Pulls;
 use super::tree::{Equations, Tree};
 use nalgebra::{DMatrix, DVector};
-use sealegs_actuator::plant::{Grid, Plant, Sliding, Slip};
+use sealegs_actuator::plant::{Grid, MOST_PRESLIDING, Plant, Sliding, Slip};
 use sealegs_model::ModelError;
 
 /// A robot and its drives with their values in place.
@@ -36,9 +36,16 @@ const MOST_SWEEPS: usize = 60;
 #[derive(Debug, Clone, Copy, Default)]
 struct Rubbed {
     dry: f64,
-    presliding: f64,
-    elastic: f64,
+    presliding: [f64; MOST_PRESLIDING],
+    elastic: [f64; MOST_PRESLIDING],
     heat: f64,
+}
+
+impl Rubbed {
+    /// Of all elastic elements, N m.
+    fn elastic(&self) -> f64 {
+        self.elastic.iter().sum()
+    }
 }
 
 impl Machine {
@@ -129,8 +136,10 @@ impl Machine {
                     after = 0.0;
                 }
                 let travel = if v[i] == 0.0 && after == 0.0 { 0.0 } else { 0.5 * h * (v[i] + after) };
-                if let Some(element) = self.drives[i].laws.rotor_presliding {
-                    rubbed[i].presliding = element.advance(rubbed[i].presliding, travel);
+                for (force, element) in
+                    rubbed[i].presliding.iter_mut().zip(&self.drives[i].laws.rotor_presliding)
+                {
+                    *force = element.advance(*force, travel);
                 }
                 rubbed[i].heat -= rubbed[i].dry * travel;
                 a[i] = (after - v[i]) / h;
@@ -171,28 +180,37 @@ impl Machine {
             let mut change = 0.0_f64;
             for (i, plant) in self.drives.iter().enumerate() {
                 let laws = &plant.laws;
-                if laws.rotor_friction.is_empty() && laws.rotor_presliding.is_none() {
+                if laws.rotor_friction.is_empty() && laws.rotor_presliding.is_empty() {
                     continue;
                 }
                 let mobility = at.h * at.inverse[(i, i)];
                 let others: f64 = (0..n).filter(|j| *j != i).map(|j| at.inverse[(i, j)] * friction[j]).sum();
                 let after_free = at.v[i] + at.h * (at.free[i] + others);
                 let of = &mut rubbed[i];
-                if let Some(element) = laws.rotor_presliding {
-                    let travel = 0.5 * at.h * (at.v[i] + after_free + mobility * of.dry);
-                    let half = 0.5 * element.stiffness;
-                    of.elastic = -((of.presliding + half * travel) / (1.0 + 0.5 * half * at.h * mobility))
-                        .clamp(-element.bound, element.bound);
+                for (k, element) in laws.rotor_presliding.iter().enumerate() {
+                    let beside = of.dry + of.elastic() - of.elastic[k];
+                    let travel = 0.5 * at.h * (at.v[i] + after_free + mobility * beside);
+                    of.elastic[k] = -element.mean_force(of.presliding[k], travel, 0.5 * at.h * mobility);
                 }
                 if !laws.rotor_friction.is_empty() {
-                    let sliding =
-                        Sliding { before: at.v[i], after_free: after_free + mobility * of.elastic, mobility };
+                    let sliding = Sliding {
+                        before: at.v[i],
+                        after_free: after_free + mobility * of.elastic(),
+                        mobility,
+                    };
                     let (position, load, heat) = (at.q[i], load[i], of.heat);
                     of.dry = sliding.mean_force(|speed, direction| {
-                        laws.rotor_friction_bound(&Slip { position, speed, direction, load, heat })
+                        laws.rotor_friction_bound(&Slip {
+                            position,
+                            speed,
+                            direction,
+                            load,
+                            heat,
+                            ..Slip::default()
+                        })
                     });
                 }
-                let now = of.dry + of.elastic;
+                let now = of.dry + of.elastic();
                 change = change.max((now - friction[i]).abs() / (now.abs() + friction[i].abs()).max(1e-12));
                 friction[i] = now;
             }

@@ -3,16 +3,10 @@
 use super::LegSetting;
 use crate::dynamics::coupling::carries_series;
 use crate::simulation::{actuator_coefficients, actuator_spec};
-use sealegs_actuator::effect::{ActuatorKind, CommandKind, Effect, Scope, Setting, ids};
+use sealegs_actuator::effect::{ActuatorKind, CommandKind, Effect, Scope, Setting, ids, is_of_actuator};
 use sealegs_actuator::plant::Plant;
 use sealegs_actuator::{ActuatorSpec, Coefficients, Kind};
 use sealegs_model::{EffectCard, Excitation, Parameter, SignalRange, internal};
-
-/// Effects of the actuators' catalogue that a leg's coupling cannot carry, and why.
-pub const NOT_ON_A_LEG: [(&str, &str); 2] = [
-    ("wobbling-mass", "the engine would need a further body; a link's mass and its centre are 'link-mass'"),
-    ("output-friction", "a leg has it at its joints, not along an actuator"),
-];
 
 /// The effect that needs a place between screw and link 2.
 const SERIES_COMPLIANCE: &str = "series-compliance";
@@ -64,6 +58,7 @@ pub(super) fn setting(place: &str, leg: &LegSetting) -> Setting {
         force_per_command: c.force_constant,
         output_arm_m: None,
         output_moves: true,
+        base_is_held: false,
         seen: seen_at(place, leg.seen),
     }
 }
@@ -81,11 +76,13 @@ pub(super) fn ids_at(effect: &dyn Effect, place: &str, leg: &LegSetting, setting
     let is_actuator = leg.robot.actuator_index(place).is_some();
     // What acts on a bench's output acts on a leg's joints, which are no part of the actuator.
     let without_output = Setting { output_moves: false, ..setting.clone() };
-    if (effect.scope() == Scope::One && !is_actuator) || !effect.applies(&without_output) {
+    if (effect.scope() == Scope::One && !is_actuator)
+        || !effect.applies(&without_output)
+        || !is_of_actuator(effect)
+    {
         return Vec::new();
     }
     let mut ids = ids(effect, setting);
-    ids.retain(|id| NOT_ON_A_LEG.iter().all(|(not, _)| not != id));
     let carries = actuator(place, leg).is_some_and(|(spec, _)| carries_series(spec.configuration));
     if !carries {
         ids.retain(|id| id != SERIES_COMPLIANCE);

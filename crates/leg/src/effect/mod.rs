@@ -17,7 +17,6 @@ mod placed;
 mod signature;
 mod spring_setting;
 
-pub use at_actuator::NOT_ON_A_LEG;
 pub(crate) use placed::{
     EffectRef, Placed, at_place, candidates, of_scenario, own_effects, with_effects_of_actuators,
 };

@@ -1,13 +1,13 @@
 //! An effect at its place: which there are, what a scenario's file names, and putting them in.
 
-use super::at_actuator::{self, NOT_ON_A_LEG, card, ids_at, setting};
+use super::at_actuator::{self, card, ids_at, setting};
 use super::{Build, CATALOGUE, LegEffect, LegSetting};
 use crate::LegError;
 use crate::error::nearest;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use sealegs_actuator::Coefficients;
-use sealegs_actuator::effect::{self, Effect, OwnEffect};
+use sealegs_actuator::effect::{self, Effect, OwnEffect, Setting, is_of_actuator};
 use sealegs_actuator::plant::Plant;
 use sealegs_actuator::spec::EffectSpec;
 use sealegs_model::{EffectCard, Excitation};
@@ -106,6 +106,22 @@ pub(crate) fn at_place(effects: &[Placed], place: &str, actuator: Option<(&Coeff
     plant
 }
 
+/// Why no actuator of a leg can have an effect of the actuators' catalogue, if so.
+fn refused(id: &str) -> Option<String> {
+    let known = effect::CATALOGUE.iter().find(|e| e.card(&Setting::unknown()).id == id)?;
+    if is_of_actuator(*known) {
+        return None;
+    }
+    let at_leg = if CATALOGUE.iter().any(|own| own.id() == id) {
+        "; a leg has it at its own places, such as its joints"
+    } else {
+        ""
+    };
+    Some(format!(
+        "its actuator's file has the effect '{id}', which acts on a bench beside the actuator{at_leg}"
+    ))
+}
+
 /// The scenario with the effects of the actuators' own files beside those that it names itself, which go before.
 ///
 /// # Errors
@@ -115,8 +131,7 @@ pub(crate) fn with_effects_of_actuators(scenario: &Scenario, robot: &Robot) -> R
     let mut all = scenario.clone();
     for placement in &robot.actuators {
         for effect in placement.spec.iter().flat_map(|spec| &spec.effects) {
-            if let Some((id, reason)) = NOT_ON_A_LEG.iter().find(|(id, _)| *id == effect.id) {
-                let problem = format!("its actuator's file has the effect '{id}': {reason}");
+            if let Some(problem) = refused(&effect.id) {
                 return Err(LegError::scenario(&scenario.name, &placement.name, problem));
             }
             let id = format!("{}/{}", placement.name, effect.id);

@@ -34,8 +34,13 @@ impl Observer for Angles {
 }
 
 fn swing(urdf: &str, posture: &str, duration_s: f64, step_s: f64) -> Angles {
+    swing_with(urdf, posture, duration_s, step_s, "")
+}
+
+/// The same with more lines of the scenario.
+fn swing_with(urdf: &str, posture: &str, duration_s: f64, step_s: f64, more: &str) -> Angles {
     let text = format!(
-        "robot = 'x'\nduration_s = {duration_s:?}\nstep_s = {step_s:?}\n[start]\nposture_rad = {{ {posture} }}\n"
+        "robot = 'x'\nduration_s = {duration_s:?}\nstep_s = {step_s:?}\n[start]\nposture_rad = {{ {posture} }}\n{more}"
     );
     let scenario = Scenario::from_toml(&text, "test", &[]).expect("good");
     let robot = Robot::from_urdf(urdf, "test", None).expect("good");
@@ -65,6 +70,33 @@ fn analytic_period_of_a_pendulum() {
     // No loss in six periods.
     let largest = angles.q[8_000..].iter().fold(0.0, |m: f64, q| m.max(q[0].abs()));
     assert!((largest / 0.01 - 1.0).abs() < 1e-4, "{largest}");
+}
+
+#[test]
+fn analytic_output_friction_at_a_joint_takes_its_torque_times_the_way() {
+    let single = DOUBLE.split("  <joint name=\"second\"").next().expect("a part").to_owned() + "</robot>";
+    let (weight, friction) = (2.0 * 9.81 * 0.5_f64, 0.4);
+    let effect = "[[effect]]\nid = \"first/output-friction\"\nparameters = { torque_nm = 0.4 }\n";
+    let angles = swing_with(&single, "first = 0.6", 12.0, 5e-4, effect);
+    let q: Vec<f64> = angles.q.iter().map(|q| q[0]).collect();
+    // From one turning point to the next the height that is lost is the friction's torque times the angle between.
+    let mut at: Vec<f64> = vec![q[0]];
+    at.extend(q.windows(3).filter(|w| (w[1] - w[0]) * (w[2] - w[1]) < 0.0).map(|w| w[1]));
+    assert!(at.len() > 5, "{at:?}");
+    for pair in at.windows(2).take(5) {
+        let lost = weight * (pair[1].cos() - pair[0].cos());
+        let taken = friction * (pair[0] - pair[1]).abs();
+        assert!((lost / taken - 1.0).abs() < 5e-3, "{pair:?}: {lost} and {taken} J");
+    }
+    // Where the weight is less than the friction it stays: within the 1e-4 rad over which a joint's friction is elastic,
+    // and without creep.
+    let rest = &q[q.len() - 2000..];
+    let (early, late) = rest.split_at(1000);
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+    assert!(weight * mean(rest).sin().abs() < friction);
+    assert!(rest.iter().all(|q| (q - mean(rest)).abs() < 1e-4));
+    // A second holds no whole number of the ringing's periods: 5e-5 rad at some 60 Hz.
+    assert!((mean(early) - mean(late)).abs() < 1e-5, "{} {}", mean(early), mean(late));
 }
 
 /// The double pendulum's accelerations, written down from its Lagrangian (absolute angles a, a + b).

@@ -2,6 +2,7 @@
 
 use super::Rig;
 use super::draws::Draws;
+use crate::effect::{IDS, Known};
 use crate::{Beyond, Reference};
 
 /// A hidden effect with its numbers by the names of its card.
@@ -16,33 +17,11 @@ pub struct Hidden {
 }
 
 /// The ids of the catalogue, in its order. `sensor-lag` and `sensor-delay` may be narrowed down to a sensor.
-pub const CATALOGUE: [&str; 21] = [
-    "coulomb-friction",
-    "presliding-friction",
-    "stribeck-friction",
-    "load-dependent-friction",
-    "direction-dependent-friction",
-    "quadratic-drag",
-    "torque-ripple",
-    "current-saturation",
-    "voltage-saturation",
-    "transport-delay",
-    "command-quantisation",
-    "hardening-spring",
-    "spring-damping",
-    "spring-hysteresis",
-    "backlash",
-    "series-compliance",
-    "structural-mode",
-    "sensor-lag",
-    "sensor-delay",
-    "output-friction",
-    "wobbling-mass",
-];
+pub const CATALOGUE: [&str; IDS.len()] = IDS;
 
 /// Names of effects that are in no catalogue.
 pub const BEYOND: [&str; 11] = [
-    "position-dependent-friction",
+    "rough-end",
     "kinked-spring",
     "hot-motor",
     "square-root-damper",
@@ -69,14 +48,13 @@ impl Hidden {
     /// Whether an effect can act on this bench at all.
     #[must_use]
     pub fn applies(id: &str, rig: Rig) -> bool {
-        rig == Rig::Pendulum || !matches!(id, "output-friction" | "wobbling-mass")
+        rig == Rig::Pendulum || !Known::of(id).is_some_and(|known| known.on_output)
     }
 
-    /// Whether an effect can be seen only beside a sensor of the spring's deflection: where forces and angles
-    /// alone are measured, a compliance in series is a softer spring.
+    /// Whether an effect can be seen only beside a sensor of the spring's deflection.
     #[must_use]
     pub fn needs_deflection_sensor(id: &str) -> bool {
-        id == "series-compliance"
+        Known::of(id).is_some_and(|known| known.beside_deflection)
     }
 
     /// An effect by its id with the shape that the seed draws. A strength of 1 is of the order of the practice
@@ -88,85 +66,21 @@ impl Hidden {
     #[must_use]
     pub fn drawn(id: &str, seed: u64, strength: f64) -> Self {
         let mut d = Draws::of(seed, id);
-        let a = strength;
-        let parameters = match id.split('@').next().unwrap_or(id) {
-            "coulomb-friction" => vec![("force_n", 30.0 * a)],
-            "presliding-friction" => {
-                // It slips after a travel that is small beside the run's.
-                let force = 30.0 * a;
-                vec![("force_n", force), ("stiffness_n_m", force / d.magnitude(1e-5, 5e-5))]
-            }
-            "stribeck-friction" => {
-                let low = 20.0 * a;
-                let velocity = d.magnitude(0.002, 0.006);
-                vec![
-                    ("coulomb_n", low),
-                    ("static_n", low * d.between(1.8, 2.6)),
-                    ("stribeck_velocity_m_s", velocity),
-                ]
-            }
-            "load-dependent-friction" => vec![("coefficient", 0.06 * a)],
-            "direction-dependent-friction" => {
-                let asymmetry = d.between(0.3, 0.7) * d.one_of(&[-1.0, 1.0]);
-                vec![("force_n", 30.0 * a), ("asymmetry", asymmetry)]
-            }
-            "quadratic-drag" => vec![("coefficient_n_s2_m2", 1e5 * a)],
-            "torque-ripple" => {
-                let cycles = d.one_of(&[4.0, 6.0, 7.0, 8.0, 11.0, 12.0, 14.0]);
-                vec![
-                    ("amplitude_n", 20.0 * a),
-                    ("cycles_per_rev", cycles),
-                    ("phase_rad", d.between(-3.0, 3.0)),
-                ]
-            }
-            "current-saturation" => vec![("limit_a", 4.0 / a)],
-            "voltage-saturation" => {
-                let bus = d.between(12.0, 24.0);
-                vec![("bus_v", bus), ("resistance_ohm", 0.25 * bus * a)]
-            }
-            "transport-delay" => vec![("delay_s", 1e-3 * a)],
-            "command-quantisation" => vec![("count_a", 0.1 * a), ("rounding", d.one_of(&[0.0, 1.0]))],
-            "hardening-spring" => vec![("cubic_n_m3", 3e10 * a)],
-            "spring-damping" => vec![("damping_n_s_m", 300.0 * a)],
-            "spring-hysteresis" => {
-                let force = 15.0 * a;
-                vec![("stiffness_n_m", force / d.magnitude(1e-5, 1e-4)), ("slip_force_n", force)]
-            }
-            "backlash" => vec![("gap_m", 3e-5 * a)],
-            "series-compliance" => {
-                vec![("stiffness_n_m", 2e7 / a), ("unsprung_mass_kg", d.between(0.05, 0.15))]
-            }
-            "structural-mode" => {
-                let (frequency, ratio) = (d.between(55.0, 95.0), d.magnitude(0.02, 0.08));
-                vec![("frequency_hz", frequency), ("damping_ratio", ratio), ("participation", 0.4 * a)]
-            }
-            "sensor-lag" => vec![("cutoff_hz", 200.0 / a)],
-            "sensor-delay" => vec![("delay_s", 1e-3 * a)],
-            "output-friction" => vec![("torque_nm", 0.4 * a)],
-            "wobbling-mass" => {
-                // The card's radius is fixed: mass and radius act together.
-                let (frequency, ratio) = (d.magnitude(3.0, 12.0), d.magnitude(0.03, 0.12));
-                vec![
-                    ("mass_kg", 0.15 * a),
-                    ("radius_m", 0.3),
-                    ("frequency_hz", frequency),
-                    ("damping_ratio", ratio),
-                ]
-            }
-            _ => {
-                let beyond = Self::beyond(id, &mut d, a);
-                let (_, parameters) = beyond.described();
-                return Self { id: id.to_owned(), parameters, beyond: Some(beyond) };
-            }
-        };
-        Self { id: id.to_owned(), parameters, beyond: None }
+        if let Some(known) = Known::of(id) {
+            return Self { id: id.to_owned(), parameters: (known.drawn)(&mut d, strength), beyond: None };
+        }
+        let beyond = Self::beyond(id, &mut d, strength);
+        let (_, parameters) = beyond.described();
+        Self { id: id.to_owned(), parameters, beyond: Some(beyond) }
     }
 
     fn beyond(id: &str, d: &mut Draws, a: f64) -> Beyond {
         match id {
-            "position-dependent-friction" => {
-                Beyond::PositionFriction { force_n: 25.0 * a, period_m: d.magnitude(2e-4, 6e-4) }
-            }
+            "rough-end" => Beyond::RoughEnd {
+                force_n: 40.0 * a,
+                from_m: d.between(-1e-4, 1e-4),
+                width_m: d.magnitude(3e-5, 1e-4),
+            },
             "kinked-spring" => Beyond::KinkedSpring { from_m: d.magnitude(5e-5, 1.5e-4), ratio: 0.2 * a },
             "hot-motor" => Beyond::HotMotor { fall: 0.1 * a, time_constant_s: d.between(3.0, 7.0) },
             "square-root-damper" => Beyond::SquareRootDamper { coefficient: 200.0 * a },

@@ -19,7 +19,7 @@ pub use strength::reach;
 use logger::Logger;
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, PendulumRig};
-use sealegs_model::Record;
+use sealegs_model::{Record, Signal};
 use std::fmt::Write;
 
 /// Which bench.
@@ -119,6 +119,12 @@ pub struct Made {
 /// The actuator that campaigns are made of.
 const ACTUATOR: &str = "thor-linear";
 
+/// What a thermometer at a drive shows that warms evenly from 25 degrees Celsius.
+fn thermometer(time_s: &[f64], warms_k_s: f64) -> Signal {
+    let values = time_s.iter().map(|t| 25.0 + warms_k_s * t).collect();
+    Signal { channel: "temperature_c".to_owned(), values }
+}
+
 impl Order {
     /// Makes it. The same order gives the same bits.
     ///
@@ -151,10 +157,11 @@ impl Order {
                     commands::weaken(&mut planned.command);
                 }
                 let truth = self.recorded(&machine, &planned.command);
-                MadeRun {
-                    holdout: planned.holdout,
-                    record: logger.write(planned.file, &planned.command, &truth),
+                let mut record = logger.write(planned.file, &planned.command, &truth);
+                if machine.warms_k_s != 0.0 {
+                    record.inputs.push(thermometer(&record.time_s, machine.warms_k_s));
                 }
+                MadeRun { holdout: planned.holdout, record }
             },
         );
         Made {

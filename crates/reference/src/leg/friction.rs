@@ -3,6 +3,7 @@
 use super::machine::{Machine, State, System};
 use super::setup::MOST_ACTUATORS;
 use super::solve::MOST;
+use crate::effect::Rubbing;
 use crate::friction::{MOST_EVENTS, Mode, first_reversal};
 
 pub(super) type Modes = [Mode; MOST_ACTUATORS];
@@ -33,12 +34,12 @@ impl Machine<'_> {
                 let next = match modes[i] {
                     Mode::Free => continue,
                     Mode::Slip(direction) => {
-                        -direction * part.rotor_bound(s.x[row], s.v[row], direction, load)
+                        -direction * part.rotor_bound(&as_it_rubs(s.x[row], s.v[row], direction, load))
                     }
                     Mode::Stick => {
                         let held = f[i] - a[row] / by[row];
                         if may_break {
-                            let most = part.rotor_bound(s.x[row], 0.0, -held.signum(), load);
+                            let most = part.rotor_bound(&as_it_rubs(s.x[row], 0.0, -held.signum(), load));
                             held.clamp(-most, most)
                         } else {
                             held
@@ -145,4 +146,9 @@ impl Machine<'_> {
             ground.settle(&poses, &bodies, &mut state.bristles);
         }
     }
+}
+
+/// A rotor of a leg, whose temperature nobody logs.
+fn as_it_rubs(y: f64, speed: f64, direction: f64, load: f64) -> Rubbing {
+    Rubbing { y, speed, direction, load, warmer_k: 0.0 }
 }

@@ -3,7 +3,7 @@
 use super::{Entry, Home, Signature, changes, most_telling, residual, shown_at};
 use crate::Result;
 use sealegs_actuator::ActuatorSpec;
-use sealegs_actuator::bench::{Bench, BenchModel, OUTPUTS, PendulumRig};
+use sealegs_actuator::bench::{Bench, BenchModel, OUTPUTS, PendulumRig, TEMPERATURE};
 use sealegs_actuator::effect::{CATALOGUE, Setting};
 use sealegs_model::{
     EffectCard, Excitation, InputHold, Model, ModelError, Prediction, Record, Signal, SignalRange,
@@ -64,6 +64,10 @@ const SINE_UNTIL_S: f64 = 1.2;
 /// Between two steps, s.
 const STEP_S: f64 = 0.2;
 
+/// Temperature at the beginning of a run, degrees Celsius, and by how much it rises, K.
+const COLD_C: f64 = 25.0;
+const WARMING_K: f64 = 30.0;
+
 /// A rig with what was seen of it.
 struct Ready {
     model: BenchModel,
@@ -118,11 +122,15 @@ fn driven(input: &str, peak: f64) -> Record {
         0.6 * peak * if step.is_multiple_of(2) { 1.0 } else { -1.0 }
     };
     let values = time_s.iter().map(command).collect();
+    let temperature = time_s.iter().map(|t| COLD_C + WARMING_K * t / DURATION_S).collect();
     Record {
         name: "signature".to_owned(),
         time_s,
         hold: InputHold::ZeroOrder,
-        inputs: vec![Signal { channel: input.to_owned(), values }],
+        inputs: vec![
+            Signal { channel: input.to_owned(), values },
+            Signal { channel: TEMPERATURE.to_owned(), values: temperature },
+        ],
         outputs: Vec::new(),
     }
 }

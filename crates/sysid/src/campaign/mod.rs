@@ -36,8 +36,8 @@ use std::path::{Path, PathBuf};
 pub const INPUT_COLUMNS: [&str; 6] =
     ["current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm", "voltage_v", "position_rad"];
 
-/// Columns that a drive reads beside its command: switched on or not, its measured supply.
-pub const SIDE_COLUMNS: [&str; 2] = ["enable", "supply_v"];
+/// Columns that a drive reads beside its command: switched on or not, its measured supply, its measured temperature.
+pub const SIDE_COLUMNS: [&str; 3] = ["enable", "supply_v", "temperature_c"];
 
 /// Columns that a bench's sensors may have recorded.
 pub const OUTPUT_COLUMNS: [&str; 11] = [

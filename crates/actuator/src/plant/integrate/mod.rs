@@ -11,7 +11,7 @@ mod rub;
 use super::friction::Held;
 use super::linear::{LinearPart, MOST, Propagator, Row};
 use super::servo::Loop;
-use super::{Feed, GRAVITY_M_S2, Grid, Link, Observer, Plant, Trace, WobblingMass};
+use super::{Feed, GRAVITY_M_S2, Grid, Link, MOST_PRESLIDING, Observer, Plant, Trace, WobblingMass};
 use rub::Friction;
 use sealegs_model::ModelError;
 
@@ -107,8 +107,8 @@ pub(super) struct State<const N: usize> {
     pub motor: f64,
     /// Dry friction of the rotor over the last step, N.
     dry: f64,
-    /// Force of the elastic presliding element, N, positive after motion in the positive direction.
-    pub presliding: f64,
+    /// Forces of the elastic presliding elements, N, positive after motion in the positive direction.
+    pub presliding: [f64; MOST_PRESLIDING],
     /// Force of the slipping element beside the spring, N, positive in compression.
     pub spring_slip: f64,
     /// Forces of the observer on the rotor and on link 2 over the last step, N.
@@ -117,6 +117,8 @@ pub(super) struct State<const N: usize> {
     pub heat: f64,
     /// s.
     pub time_s: f64,
+    /// By how much the drive is warmer than the reference over the step to come, K.
+    warmer_k: f64,
     /// Whether the drive's bridge is open over the step to come.
     released: bool,
 }
@@ -209,7 +211,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             needs_mean,
             gravity,
             has_friction: has_rotor_friction
-                || plant.laws.rotor_presliding.is_some()
+                || !plant.laws.rotor_presliding.is_empty()
                 || (plant.output_friction > 0.0 && at.link_2.is_some()),
             has_rotor_friction,
             bound_feels: (
@@ -239,11 +241,12 @@ impl<'a, const N: usize> Stepper<'a, N> {
             force_1: 0.0,
             motor: 0.0,
             dry: 0.0,
-            presliding: 0.0,
+            presliding: [0.0; MOST_PRESLIDING],
             spring_slip: 0.0,
             pull: (0.0, 0.0),
             heat: 0.0,
             time_s: self.grid.start_s,
+            warmer_k: 0.0,
             released: false,
         }
     }
@@ -261,6 +264,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
                 command = supply * servo.duty(command, now, &trace, of);
             }
             state.released = feed.released(n);
+            state.warmer_k = feed.warmer_k(n);
             state = self.step(&state, command, n);
             self.note(&state, &mut trace);
             if n % 1024 == 0 {

@@ -2,14 +2,14 @@
 
 use super::{Motion, State, Stepper, THIRD, dot};
 use crate::plant::friction::Held;
-use crate::plant::{Sliding, Slip};
+use crate::plant::{MOST_PRESLIDING, Sliding, Slip};
 
 /// Dry friction over one step.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Friction {
-    /// Of the rotor, without and with the elastic element, N.
+    /// Of the rotor, dry and of the elastic elements, N.
     dry: f64,
-    elastic: f64,
+    elastic: [f64; MOST_PRESLIDING],
     on_output: f64,
     rotor: Held,
     output: Held,
@@ -19,10 +19,16 @@ pub(super) struct Friction {
 const MOST_SWEEPS: usize = 200;
 
 impl Friction {
+    /// Of all elastic elements, N.
+    #[inline(always)]
+    fn elastic(&self) -> f64 {
+        self.elastic.iter().sum()
+    }
+
     fn settled_since(&self, before: &Self) -> bool {
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-13 * (a.abs() + b.abs());
         close(self.dry, before.dry)
-            && close(self.elastic, before.elastic)
+            && self.elastic.iter().zip(&before.elastic).all(|(a, b)| close(*a, *b))
             && close(self.on_output, before.on_output)
     }
 }
@@ -35,10 +41,8 @@ impl<const N: usize> Stepper<'_, N> {
         let (q, v) = (&from.motion.position, &from.motion.velocity);
         let (to_position, to_velocity) = &self.propagator.by_force;
         let output = self.link_2.filter(|_| plant.output_friction > 0.0);
-        let presliding = plant.laws.rotor_presliding;
-        let kinds = usize::from(self.has_rotor_friction)
-            + usize::from(output.is_some())
-            + usize::from(presliding.is_some());
+        let presliding = &plant.laws.rotor_presliding;
+        let kinds = usize::from(self.has_rotor_friction) + usize::from(output.is_some()) + presliding.len();
         let mut load = if self.bound_feels.1 { self.load(from, &plain.plus(&from.beside)) } else { 0.0 };
         let mut friction = Friction { dry: from.dry, ..Friction::default() };
         // Each friction shifts the motion that the others see, and the load that a bound feels: they are found
@@ -52,17 +56,15 @@ impl<const N: usize> Stepper<'_, N> {
         };
         for sweep in 0..sweeps {
             let before = friction;
-            if let Some(element) = presliding {
-                // The element's mean force, linear in the travel over the step.
+            for (k, element) in presliding.iter().enumerate() {
                 let others = free.position[0] - q[0]
                     + if sweep > 0 { to_position[0][0] * friction.dry } else { 0.0 }
-                    + output.map_or(0.0, |i| to_position[0][i] * friction.on_output);
-                let half = 0.5 * element.stiffness;
-                friction.elastic = -((from.presliding + half * others) / (1.0 + half * to_position[0][0]))
-                    .clamp(-element.bound, element.bound);
+                    + output.map_or(0.0, |i| to_position[0][i] * friction.on_output)
+                    + to_position[0][0] * (friction.elastic() - friction.elastic[k]);
+                friction.elastic[k] = -element.mean_force(from.presliding[k], others, to_position[0][0]);
             }
             if self.has_rotor_friction {
-                let others = to_velocity[0][0] * friction.elastic
+                let others = to_velocity[0][0] * friction.elastic()
                     + output.map_or(0.0, |i| to_velocity[0][i] * friction.on_output);
                 let sliding = Sliding {
                     before: v[0],
@@ -77,6 +79,7 @@ impl<const N: usize> Stepper<'_, N> {
                         direction,
                         load,
                         heat: from.heat,
+                        warmer_k: from.warmer_k,
                     })
                 };
                 (friction.dry, friction.rotor) = if self.bound_feels.0 {
@@ -88,7 +91,7 @@ impl<const N: usize> Stepper<'_, N> {
             if let Some(i) = output {
                 let sliding = Sliding {
                     before: v[i],
-                    after_free: free.velocity[i] + to_velocity[i][0] * (friction.dry + friction.elastic),
+                    after_free: free.velocity[i] + to_velocity[i][0] * (friction.dry + friction.elastic()),
                     mobility: to_velocity[i][i],
                 };
                 (friction.on_output, friction.output) =
@@ -97,7 +100,7 @@ impl<const N: usize> Stepper<'_, N> {
             if sweeps > 1 {
                 if self.bound_feels.1 {
                     let mut after = *free;
-                    self.push(&mut after, 0, friction.dry + friction.elastic);
+                    self.push(&mut after, 0, friction.dry + friction.elastic());
                     if let Some(i) = output {
                         self.push(&mut after, i, friction.on_output);
                     }
@@ -135,7 +138,7 @@ impl<const N: usize> Stepper<'_, N> {
     /// not moved if it was at rest before.
     #[inline(always)]
     pub(super) fn apply(&self, from: &State<N>, friction: &Friction, next: &mut State<N>) {
-        self.push(&mut next.motion, 0, friction.dry + friction.elastic);
+        self.push(&mut next.motion, 0, friction.dry + friction.elastic());
         if let Some(i) = self.link_2.filter(|_| self.plant.output_friction > 0.0) {
             self.push(&mut next.motion, i, friction.on_output);
             next.motion.hold(i, friction.output, &from.motion);
@@ -143,9 +146,9 @@ impl<const N: usize> Stepper<'_, N> {
         next.motion.hold(0, friction.rotor, &from.motion);
         next.dry = friction.dry;
         next.heat = from.heat - friction.dry * (next.motion.position[0] - from.motion.position[0]);
-        if let Some(element) = self.plant.laws.rotor_presliding {
-            let travel = next.motion.position[0] - from.motion.position[0];
-            next.presliding = element.advance(from.presliding, travel);
+        let travel = next.motion.position[0] - from.motion.position[0];
+        for (k, element) in self.plant.laws.rotor_presliding.iter().enumerate() {
+            next.presliding[k] = element.advance(from.presliding[k], travel);
         }
     }
 
@@ -163,11 +166,17 @@ impl<const N: usize> Stepper<'_, N> {
         if self.has_rotor_friction && v[0] * from.motion.velocity[0] < 0.0 {
             let direction = v[0].signum();
             let load = self.load(from, &next.motion);
-            let slip =
-                Slip { position: next.motion.position[0], speed: v[0], direction, load, heat: from.heat };
+            let slip = Slip {
+                position: next.motion.position[0],
+                speed: v[0],
+                direction,
+                load,
+                heat: from.heat,
+                warmer_k: from.warmer_k,
+            };
             dry = -direction * plant.laws.rotor_friction_bound(&slip);
         }
-        forces[0] += dry - next.presliding;
+        forces[0] += dry - next.presliding.iter().sum::<f64>();
         let output = self.link_2.filter(|_| plant.output_friction > 0.0);
         if let Some(i) = output {
             let reversed = v[i] * from.motion.velocity[i] < 0.0;

@@ -181,8 +181,7 @@ impl Actuator {
             // The screw starts at the rate of the length: a joint that starts in motion has moved its motor.
             speed_m_s: rotor_rate + back(start.rotor, 1.0),
             previous_m_s: rotor_rate + back(start.rotor, 3.0),
-            presliding_n: 0.0,
-            heat_j: 0.0,
+            ..Rotor::default()
         };
         self.lumped = (deflection, back(start.rotor, 1.0));
         self.spring_slip_n = 0.0;

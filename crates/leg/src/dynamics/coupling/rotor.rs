@@ -1,6 +1,6 @@
 //! The rotor: one coordinate in lockstep with the engine, damped implicitly, stuck or slipping exactly.
 
-use sealegs_actuator::plant::{Laws, Sliding, Slip};
+use sealegs_actuator::plant::{Laws, MOST_PRESLIDING, Sliding, Slip};
 
 /// The rotor's state, referred to the screw.
 #[derive(Debug, Clone, Copy, Default)]
@@ -11,8 +11,8 @@ pub(super) struct Rotor {
     pub speed_m_s: f64,
     /// Speed half a step earlier still.
     pub previous_m_s: f64,
-    /// Force of the presliding element, N, opposing positive motion when negative.
-    pub presliding_n: f64,
+    /// Forces of the presliding elements, N, opposing positive motion when negative.
+    pub presliding_n: [f64; MOST_PRESLIDING],
     /// Heat that dry friction has made, J.
     pub heat_j: f64,
 }
@@ -49,16 +49,15 @@ impl Rotor {
         let mobility = step_s / (mass + half_loss);
         let free = ((mass - half_loss) * before + step_s * force) / (mass + half_loss);
         let mut friction_n = 0.0;
-        if let Some(element) = laws.rotor_presliding {
-            let next = element.advance(self.presliding_n, -step_s * self.speed_now());
-            friction_n += next;
-            self.presliding_n = next;
+        for (held_n, element) in self.presliding_n.iter_mut().zip(&laws.rotor_presliding) {
+            *held_n = element.advance(*held_n, -step_s * (1.5 * before - 0.5 * self.previous_m_s));
+            friction_n += *held_n;
         }
         if !laws.rotor_friction.is_empty() {
             let sliding = Sliding { before, after_free: free + mobility * friction_n, mobility };
             let (position, heat) = (self.y_m, self.heat_j);
             let dry_n = sliding.mean_force(|speed, direction| {
-                laws.rotor_friction_bound(&Slip { position, speed, direction, load, heat })
+                laws.rotor_friction_bound(&Slip { position, speed, direction, load, heat, ..Slip::default() })
             });
             friction_n += dry_n;
             self.heat_j -= dry_n * step_s * (free + mobility * friction_n);
