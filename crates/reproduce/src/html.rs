@@ -1,20 +1,20 @@
 //! The reproduction as one self-contained page.
 
-use sealegs::recorder::chart::Picture;
-use sealegs::recorder::report::{Provenance, Report, Table, Tone};
+use sealegs_recorder::chart::Picture;
+use sealegs_recorder::report::{Provenance, Report, Table, Tone};
 
-use super::figures::figures;
-use super::findings::findings;
-use super::text::{deviation, number, summary};
-use super::{Reproduction, Row, Verdict};
-use crate::verb::design::{HEADS, cells};
+use crate::figures::figures;
+use crate::findings::findings;
+use crate::text::{deviation, number, summary};
+use crate::{ReproduceError, Reproduction, Row, Verdict};
+use sealegs_actuator::design::{PERFORMANCE_HEADS, performance_cells};
 
 /// The page: summary, findings, misses, figures, Table 8, every row.
 ///
 /// # Errors
 ///
 /// If a preset is missing.
-pub fn html(r: &Reproduction, command: &str) -> anyhow::Result<String> {
+pub fn html(r: &Reproduction, command: &str) -> Result<String, ReproduceError> {
     let mut page = Report::new("The dissertation, recomputed");
     page.subtitle(
         "Series Elasticity in Linearly Actuated Humanoids: what its numbers are when its own models compute them",
@@ -164,12 +164,12 @@ fn explanations(r: &Reproduction) -> Table {
 }
 
 fn table_8(r: &Reproduction) -> Table {
-    let mut table = Table::new().words(HEADS[0].0);
-    for (name, unit) in &HEADS[1..] {
+    let mut table = Table::new().words(PERFORMANCE_HEADS[0].0);
+    for (name, unit) in &PERFORMANCE_HEADS[1..] {
         table = table.numbers(name, unit);
     }
     for (name, p) in ["soft SBN", "soft SMH", "stiff SBN", "stiff SMH"].into_iter().zip(&r.table_8) {
-        table.row(cells(name, p));
+        table.row(performance_cells(name, p));
     }
     table
 }

@@ -1,9 +1,9 @@
 //! The actuators of chapters 3 and 4: Table 5 with the printed stiffnesses, in the three models.
 
-use sealegs::actuator::bench::PendulumRig;
-use sealegs::actuator::plant::GRAVITY_M_S2;
-use sealegs::actuator::response::Link;
-use sealegs::actuator::{ActuatorSpec, Coefficients, Configuration};
+use sealegs_actuator::bench::PendulumRig;
+use sealegs_actuator::plant::GRAVITY_M_S2;
+use sealegs_actuator::response::Link;
+use sealegs_actuator::{ActuatorError, ActuatorSpec, Coefficients, Configuration};
 
 /// Printed stiffness of the stiff setting, N/m.
 pub const STIFF_N_M: f64 = 655e3;
@@ -11,6 +11,11 @@ pub const STIFF_N_M: f64 = 655e3;
 pub const SOFT_N_M: f64 = 372e3;
 /// Sprung mass that section 4-5-1 estimates for a sprung ball nut, kg.
 pub const SBN_MASS_KG: f64 = 0.15;
+
+/// The working point of section 4-7: the current limit, A.
+pub const CURRENT_LIMIT_A: f64 = 10.0;
+/// The working point of section 4-7: the amplitude of the force, N.
+pub const AMPLITUDE_N: f64 = 200.0;
 
 /// THOR by Table 5 as printed, in its three models.
 #[derive(Debug, Clone)]
@@ -25,7 +30,7 @@ impl Thor {
     /// # Errors
     ///
     /// If it is missing.
-    pub fn new() -> anyhow::Result<Self> {
+    pub fn new() -> Result<Self, ActuatorError> {
         Ok(Self { spec: ActuatorSpec::preset("thor-linear")? })
     }
 

@@ -1,7 +1,7 @@
 //! Figures of chapter 2: the beams.
 
-use sealegs::actuator::spring::{BeamLaw, ClampSetting, EndLoadedBeam, MomentLoadedBeam};
-use sealegs::recorder::chart::{Axis, Chart, Dash, Hue, Marker};
+use sealegs_actuator::spring::{BeamLaw, ClampSetting, EndLoadedBeam, MomentLoadedBeam};
+use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
 
 use super::{Figure, linear};
 

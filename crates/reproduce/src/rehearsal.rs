@@ -2,17 +2,17 @@
 //! 400 Hz, through the product's own integrator and H1 estimate.
 
 use rayon::prelude::*;
-use sealegs::actuator::Configuration;
-use sealegs::actuator::bench::{Bench, BenchModel, PendulumRig};
-use sealegs::actuator::excitation::Profile;
-use sealegs::model::{InputHold, Model, Record, Signal};
-use sealegs::sysid::frf::{
-    Estimator, FitWeight, FrequencyResponse, Hold, SecondOrder, Welch, fit_second_order, peak_near,
+use sealegs_actuator::Configuration;
+use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
+use sealegs_actuator::excitation::Profile;
+use sealegs_model::{InputHold, Model, Record, Signal};
+use sealegs_sysid::frf::{
+    Estimator, FitWeight, FrequencyResponse, Hold, Peak, SecondOrder, Welch, fit_second_order, peak_near,
     trough_near,
 };
 
-use super::ledger::Ledger;
-use super::thor::{STIFF_N_M, Thor};
+use crate::ReproduceError;
+use crate::thor::{STIFF_N_M, Thor};
 
 const RATE_HZ: f64 = 400.0;
 const SAMPLES: usize = 65_536;
@@ -23,19 +23,40 @@ const RUNS: u64 = 12;
 /// Steps of 0.25 ms halve nothing visible: against 0.1 ms the peaks move by less than 0.01 Hz.
 const STEP_S: f64 = 2.5e-4;
 
-/// What the rehearsals found, for the figures.
+/// What the rehearsals found.
 #[derive(Debug, Clone)]
 pub struct Rehearsals {
+    /// The locked bench's own numerator, first-order coefficient and constant term, in 1/s^2, 1/s and 1/s^2.
+    pub truth: [f64; 3],
+    /// The fit of F1/Fm of the locked bench, hold ignored.
+    pub fit_with_hold: SecondOrder,
+    /// The moving test.
+    pub moving: Moving,
     /// F1/Fm of the locked bench, hold taken out.
     pub locked: FrequencyResponse,
     /// F2/Fm of the locked bench, hold taken out.
     pub locked_force_2: FrequencyResponse,
     /// The fit of `locked`.
     pub fit: SecondOrder,
-    /// F1/Fm of the moving test, unlumped.
-    pub moving_unlumped: FrequencyResponse,
-    /// F1/Fm of the moving test, lumped.
-    pub moving_lumped: FrequencyResponse,
+}
+
+/// What the moving test found.
+#[derive(Debug, Clone)]
+pub struct Moving {
+    /// F1/Fm, unlumped.
+    pub unlumped: FrequencyResponse,
+    /// F1/Fm, lumped.
+    pub lumped: FrequencyResponse,
+    /// Its peak, unlumped.
+    pub unlumped_peak: Peak,
+    /// Its peak, lumped.
+    pub lumped_peak: Peak,
+    /// The pendulum's dip, unlumped, Hz.
+    pub dip_hz: f64,
+    /// Root mean square of the swing, rad.
+    pub swing_rms_rad: f64,
+    /// Greatest swing, rad.
+    pub swing_greatest_rad: f64,
 }
 
 fn times() -> Vec<f64> {
@@ -57,11 +78,15 @@ fn record(name: &str, force_n: Vec<f64>) -> Record {
     }
 }
 
-fn predicted(model: &BenchModel, record: &Record, channels: &[&str]) -> anyhow::Result<Vec<Vec<f64>>> {
+fn predicted(
+    model: &BenchModel,
+    record: &Record,
+    channels: &[&str],
+) -> Result<Vec<Vec<f64>>, ReproduceError> {
     let values: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
     let names: Vec<String> = channels.iter().map(|c| (*c).to_owned()).collect();
     let prediction =
-        model.predict(&values, record, &names).map_err(|e| anyhow::anyhow!("{}: {e}", record.name))?;
+        model.predict(&values, record, &names).map_err(|e| ReproduceError::simulation(&record.name, e))?;
     Ok(prediction.outputs.into_iter().map(|s| s.values).collect())
 }
 
@@ -70,21 +95,13 @@ fn resolved(values: &[f64]) -> Vec<f64> {
     values.iter().map(|v| 4.0 * (v / 4.0).round()).collect()
 }
 
-/// Carries out both identifications and enters what they give.
+/// Carries out both identifications.
 ///
 /// # Errors
 ///
 /// If a simulation or an estimate fails.
-pub fn enter(ledger: &mut Ledger<'_>, thor: &Thor) -> anyhow::Result<Rehearsals> {
-    let (locked, locked_force_2, fit) = locked(ledger, thor)?;
-    let (moving_unlumped, moving_lumped) = moving(ledger, thor)?;
-    Ok(Rehearsals { locked, locked_force_2, fit, moving_unlumped, moving_lumped })
-}
-
-fn locked(
-    ledger: &mut Ledger<'_>,
-    thor: &Thor,
-) -> anyhow::Result<(FrequencyResponse, FrequencyResponse, SecondOrder)> {
+pub fn rehearse(thor: &Thor) -> Result<Rehearsals, ReproduceError> {
+    let moving = moving(thor)?;
     let spec = thor.spec_with(Configuration::SprungMotorHousing, STIFF_N_M);
     let c = spec.coefficients();
     let model = BenchModel::new(spec, Bench::Locked)?;
@@ -99,7 +116,7 @@ fn locked(
     let command: Vec<f64> = chirp.iter().zip(&noise).map(|(a, b)| a + b).collect();
     let run = record("identification rehearsal", command.clone());
     let forces = predicted(&model, &run, &["force_1_n", "force_2_n"])?;
-    let estimate = |force: &[f64]| -> anyhow::Result<FrequencyResponse> {
+    let estimate = |force: &[f64]| -> Result<FrequencyResponse, ReproduceError> {
         let measured = resolved(force);
         let spectra = Welch::hann(SEGMENT).spectra(1.0 / RATE_HZ, &[(&command, &measured)])?;
         Ok(spectra.response(Estimator::H1))
@@ -107,18 +124,14 @@ fn locked(
     let raw = estimate(&forces[0])?;
     let clean = raw.clone().without_hold(Hold::ZeroOrder);
     let fit_of = |r: &FrequencyResponse| fit_second_order(&r.band(0.05, 60.0, 0.5), FitWeight::Coherence);
-    let (with, without) = (fit_of(&clean)?, fit_of(&raw)?);
-    let truth = [c.stiffness / c.total_mass(), c.damping / c.total_mass(), c.stiffness / c.total_mass()];
-    let per_cent = |found: f64, truth: f64| 100.0 * (found / truth - 1.0);
-    let why = "simulated at 400 Hz with held commands and +-2 N readings, H1 with 20.48 s Hann segments, fit over 0.05 to 60 Hz by coherence";
-    ledger.put("S3-10", per_cent(with.numerator, truth[0]), why);
-    ledger.put("S3-11", per_cent(with.first, truth[1]), why);
-    ledger.put("S3-12", per_cent(with.zeroth, truth[2]), why);
-    ledger.put("S3-13", per_cent(without.zeroth, truth[2]), "half a sample of delay taken for dynamics");
-    ledger.put("S3-14", per_cent(without.first, truth[1]), "half a sample of delay taken for dynamics");
-    ledger.put("S3-15", without.static_gain(), "neither hold nor noise lowers the static gain: 0.95 of the printed fit needs another cause, such as friction or a drive of 95 % (inference)");
-    let second = estimate(&forces[1])?.without_hold(Hold::ZeroOrder);
-    Ok((clean, second, with))
+    Ok(Rehearsals {
+        truth: [c.stiffness / c.total_mass(), c.damping / c.total_mass(), c.stiffness / c.total_mass()],
+        fit: fit_of(&clean)?,
+        fit_with_hold: fit_of(&raw)?,
+        locked_force_2: estimate(&forces[1])?.without_hold(Hold::ZeroOrder),
+        locked: clean,
+        moving,
+    })
 }
 
 /// The response of a pendulum bench to the noise of section 3-4-5, and the root mean square and greatest swing, rad.
@@ -126,10 +139,10 @@ fn moving_response(
     thor: &Thor,
     configuration: Configuration,
     commands: &[Vec<f64>],
-) -> anyhow::Result<(FrequencyResponse, f64, f64)> {
+) -> Result<(FrequencyResponse, f64, f64), ReproduceError> {
     let spec = thor.spec_with(configuration, STIFF_N_M);
     let model = BenchModel::new(spec, Bench::Pendulum(PendulumRig::default()))?.with_step(STEP_S);
-    let runs: Vec<anyhow::Result<(Vec<f64>, f64, f64)>> = commands
+    let runs: Vec<Result<(Vec<f64>, f64, f64), ReproduceError>> = commands
         .par_iter()
         .map(|command| {
             let run = record("moving output", command.clone());
@@ -140,7 +153,7 @@ fn moving_response(
             Ok((resolved(&outputs[0]), square, most))
         })
         .collect();
-    let runs = runs.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let runs = runs.into_iter().collect::<Result<Vec<_>, _>>()?;
     let pairs: Vec<(&[f64], &[f64])> =
         commands.iter().zip(&runs).map(|(c, r)| (c.as_slice(), r.0.as_slice())).collect();
     let response = Welch::hann(SEGMENT)
@@ -152,24 +165,24 @@ fn moving_response(
     Ok((response, rms, most))
 }
 
-fn moving(ledger: &mut Ledger<'_>, thor: &Thor) -> anyhow::Result<(FrequencyResponse, FrequencyResponse)> {
+fn moving(thor: &Thor) -> Result<Moving, ReproduceError> {
     let commands: Vec<Vec<f64>> = (0..RUNS).into_par_iter().map(|run| noise(841.0, 100 + run)).collect();
-    let (unlumped, rms, most) = moving_response(thor, Configuration::SprungMotorHousing, &commands)?;
+    let (unlumped, swing_rms_rad, swing_greatest_rad) =
+        moving_response(thor, Configuration::SprungMotorHousing, &commands)?;
     let (lumped, ..) = moving_response(thor, Configuration::Lumped, &commands)?;
-    for (id, response, band, half_width) in
-        [("S3-20", &unlumped, [12.0, 22.0], 0.35), ("S3-21", &lumped, [5.0, 9.0], 0.12)]
-    {
-        let db = response.magnitude_db();
-        let peak = peak_near(&response.frequency_hz, &db, band[0], band[1], half_width)
-            .ok_or_else(|| anyhow::anyhow!("{id}: no peak between {} and {} Hz", band[0], band[1]))?;
-        ledger.put(id, peak.frequency_hz, format!(
-            "nonlinear pendulum in 0.25 ms steps, 841 N noise held at 400 Hz, {RUNS} x 163.84 s, H1; peak {:+.1} dB",
-            peak.magnitude_db
-        ));
-    }
+    let peak = |response: &FrequencyResponse, [from, to]: [f64; 2], half_width| {
+        peak_near(&response.frequency_hz, &response.magnitude_db(), from, to, half_width)
+            .ok_or_else(|| ReproduceError::missing(format!("no peak between {from} and {to} Hz")))
+    };
     let dip = trough_near(&unlumped.frequency_hz, &unlumped.magnitude_db(), 0.5, 1.5, 0.0)
-        .ok_or_else(|| anyhow::anyhow!("no dip near 1 Hz"))?;
-    ledger.put("S3-22", dip.frequency_hz, "the lines of the estimate are 0.049 Hz apart");
-    ledger.put("S3-23", rms.to_degrees(), format!("greatest swing {:.0} deg", most.to_degrees()));
-    Ok((unlumped, lumped))
+        .ok_or_else(|| ReproduceError::missing("no dip near 1 Hz"))?;
+    Ok(Moving {
+        unlumped_peak: peak(&unlumped, [12.0, 22.0], 0.35)?,
+        lumped_peak: peak(&lumped, [5.0, 9.0], 0.12)?,
+        dip_hz: dip.frequency_hz,
+        swing_rms_rad,
+        swing_greatest_rad,
+        unlumped,
+        lumped,
+    })
 }

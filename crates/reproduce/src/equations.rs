@@ -2,8 +2,8 @@
 //! comparison with the product's one formula.
 
 use num_complex::Complex64;
-use sealegs::actuator::Coefficients;
-use sealegs::actuator::response::{ForceResponse, Link};
+use sealegs_actuator::Coefficients;
+use sealegs_actuator::response::{ForceResponse, Link};
 
 type Matrix = [[Complex64; 3]; 3];
 

@@ -1,71 +1,24 @@
-//! The moving output by closed form, and what would have to differ for the printed peaks to come out.
+//! What would have to differ in the moving output for the printed peaks to come out.
 
-use anyhow::Context;
-use sealegs::actuator::Coefficients;
-use sealegs::actuator::bench::PendulumRig;
-use sealegs::actuator::response::{Feature, ForceResponse, Link, dips, peaks};
+use sealegs_actuator::Coefficients;
+use sealegs_actuator::bench::PendulumRig;
+use sealegs_actuator::response::{Feature, ForceResponse, Link, peaks};
 use serde::Serialize;
 
-use super::ledger::Ledger;
-use super::thor::{STIFF_N_M, Thor, pendulum_link};
+use crate::ReproduceError;
+use crate::thor::{STIFF_N_M, Thor};
 
 /// The closed-form peak of F1/Fm above 3 Hz with a moving link at the screw side.
 ///
 /// # Errors
 ///
 /// If there is none.
-pub fn peak(c: &Coefficients, link: Link) -> anyhow::Result<Feature> {
+pub fn peak(c: &Coefficients, link: Link) -> Result<Feature, ReproduceError> {
     let response = ForceResponse::between(c, Link::Fixed, link);
-    peaks(|f| response.force_1().at_hz(f), [3.0, 100.0]).first().copied().context("F1/Fm has no peak")
-}
-
-/// Enters the closed-form rows of section 3-4-5.
-///
-/// # Errors
-///
-/// If a response has no peak.
-pub fn enter(ledger: &mut Ledger<'_>, thor: &Thor) -> anyhow::Result<()> {
-    let rig = PendulumRig::default();
-    let link = pendulum_link(&rig);
-    let (unlumped, lumped) = (thor.smh(STIFF_N_M), thor.lumped(STIFF_N_M));
-    let (high, low) = (peak(&unlumped, link)?, peak(&lumped, link)?);
-    let pole = |c: &Coefficients| {
-        let modes = ForceResponse::between(c, Link::Fixed, link).sprung.resonances();
-        modes
-            .iter()
-            .find(|m| m.frequency_hz > 3.0)
-            .map(|m| format!("pole at {:.2} Hz, damping ratio {:.4}", m.frequency_hz, m.damping_ratio))
-            .unwrap_or_default()
-    };
-    ledger.put(
-        "R3-11",
-        high.frequency_hz,
-        format!("follows from the stated parameters ({}); 15.76 does not: see the findings", pole(&unlumped)),
-    );
-    ledger.put(
-        "R3-12",
-        low.frequency_hz,
-        format!("follows from the stated parameters ({}); 6.35 does not: see the findings", pole(&lumped)),
-    );
-    ledger.put(
-        "R3-13",
-        high.frequency_hz / low.frequency_hz,
-        "the ratio is as published: both prints are low by the same share",
-    );
-    ledger.put("S3-24", high.gain_db, "closed form");
-    ledger.put("S3-25", low.gain_db, "closed form");
-    let response = ForceResponse::between(&unlumped, Link::Fixed, link);
-    let dip = dips(|f| response.force_1().at_hz(f), [0.3, 3.0]).first().copied().context("no dip")?;
-    ledger.put("R3-14", dip.frequency_hz, "sqrt(g/L)/2 pi with L = 0.300 m");
-    let Link::Mass { mass_kg, stiffness_n_m } = link else { anyhow::bail!("a pendulum is a mass") };
-    ledger.put("R3-15", mass_kg, "m (L/a)^2");
-    ledger.put("R3-16", stiffness_n_m, "m g L/a^2");
-    for (id, c) in [("S3-26", &unlumped), ("S3-27", &lumped)] {
-        let moved = ForceResponse::between(c, link, Link::Fixed);
-        let at = peaks(|f| moved.force_1().at_hz(f), [3.0, 100.0]).first().copied().context("no peak")?;
-        ledger.put(id, at.frequency_hz, "with the spring side moving both models are the same: the low lumped peak needs the screw side to move");
-    }
-    Ok(())
+    peaks(|f| response.force_1().at_hz(f), [3.0, 100.0])
+        .first()
+        .copied()
+        .ok_or_else(|| ReproduceError::missing("F1/Fm has no peak"))
 }
 
 /// One thing changed so that the unlumped peak is as printed, and what the lumped peak then is.
@@ -99,7 +52,7 @@ type Change<'a> = &'a dyn Fn(f64) -> (f64, f64, f64);
 /// # Errors
 ///
 /// If a response has no peak.
-pub fn explanations(thor: &Thor) -> anyhow::Result<Vec<Explanation>> {
+pub fn explanations(thor: &Thor) -> Result<Vec<Explanation>, ReproduceError> {
     let rig = PendulumRig::default();
     // Stiffness, effective mass and gravity stiffness as functions of the number sought.
     let base = pendulum_numbers(&rig);
@@ -107,7 +60,7 @@ pub fn explanations(thor: &Thor) -> anyhow::Result<Vec<Explanation>> {
     let rod = |kg: f64| {
         // A uniform rod of the link's length adds m L^2/3 of inertia and m g L/2 of gravity.
         let a2 = rig.arm_m * rig.arm_m;
-        let gravity = kg * sealegs::actuator::plant::GRAVITY_M_S2 * rig.length_m / 2.0;
+        let gravity = kg * sealegs_actuator::plant::GRAVITY_M_S2 * rig.length_m / 2.0;
         (STIFF_N_M, base.0 + kg * rig.length_m.powi(2) / 3.0 / a2, base.1 + gravity / a2)
     };
     let centre = |m: f64| {
@@ -148,7 +101,10 @@ fn pendulum_numbers(rig: &PendulumRig) -> (f64, f64) {
     (link.mass_kg(), link.gravity_stiffness_n_m())
 }
 
-fn explain(thor: &Thor, (stiffness, mass_kg, gravity): (f64, f64, f64)) -> anyhow::Result<Explanation> {
+fn explain(
+    thor: &Thor,
+    (stiffness, mass_kg, gravity): (f64, f64, f64),
+) -> Result<Explanation, ReproduceError> {
     let link = Link::Mass { mass_kg, stiffness_n_m: gravity };
     let unlumped_hz = peak(&thor.smh(stiffness), link)?.frequency_hz;
     let lumped_hz = peak(&thor.lumped(stiffness), link)?.frequency_hz;

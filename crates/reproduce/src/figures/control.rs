@@ -1,13 +1,24 @@
 //! Figures of the pure-force-source criterion and of the clipped ideal compensator.
 
-use sealegs::actuator::compensator::ClippedCompensator;
-use sealegs::actuator::response::{CompensatorBound, HALF_POWER_DB, db, plant, pure_force_source_hz};
-use sealegs::recorder::chart::{Axis, Chart, Contours, Dash, Hue, Marker};
+use sealegs_actuator::compensator::ClippedCompensator;
+use sealegs_actuator::response::{CompensatorBound, HALF_POWER_DB, db, plant, pure_force_source_hz};
+use sealegs_recorder::chart::{Axis, Chart, Contours, Dash, Hue, Marker};
 
-use super::super::chapter4::{AMPLITUDE_N, CURRENT_LIMIT_A};
-use super::super::clipping::{AMPLITUDES_N, CURRENTS_A, curve};
-use super::super::thor::{SBN_MASS_KG, SOFT_N_M, STIFF_N_M, Thor};
 use super::{Figure, linear, logarithmic};
+use crate::thor::{AMPLITUDE_N, CURRENT_LIMIT_A, SBN_MASS_KG, SOFT_N_M, STIFF_N_M, Thor};
+use sealegs_actuator::Coefficients;
+
+/// Current limits of figure 4-16, A (2.5 and 40 are printed, doublings between them assumed).
+pub const CURRENTS_A: [f64; 5] = [2.5, 5.0, 10.0, 20.0, 40.0];
+/// Amplitudes of figure 4-17, N (50 and 800 are printed, doublings between them assumed).
+pub const AMPLITUDES_N: [f64; 5] = [50.0, 100.0, 200.0, 400.0, 800.0];
+
+/// Gain in dB of the clipped compensator on a logarithmic grid.
+#[must_use]
+pub fn curve(c: &Coefficients, current_a: f64, amplitude_n: f64, grid_hz: &[f64]) -> Vec<f64> {
+    let clipped = ClippedCompensator::new(c, current_a);
+    grid_hz.iter().map(|f| clipped.steady_state(amplitude_n, *f).gain_rms_db).collect()
+}
 
 const DASHES: [Dash; 5] = [Dash::Dotted, Dash::DashDot, Dash::Dashed, Dash::Solid, Dash::Dashed];
 

@@ -1,13 +1,13 @@
 //! The dissertation's figures drawn from our own numbers, with the published ones marked.
 
-mod control;
+pub(crate) mod control;
 mod responses;
 mod springs;
 
-use sealegs::recorder::chart::Chart;
+use sealegs_recorder::chart::Chart;
 
-use super::Reproduction;
-use super::thor::Thor;
+use crate::thor::Thor;
+use crate::{ReproduceError, Reproduction};
 
 /// A figure of the dissertation.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ pub struct Figure {
 /// # Errors
 ///
 /// If a preset is missing.
-pub fn figures(r: &Reproduction) -> anyhow::Result<Vec<Figure>> {
+pub fn figures(r: &Reproduction) -> Result<Vec<Figure>, ReproduceError> {
     let thor = Thor::new()?;
     Ok(vec![
         springs::figure_2_12(),

@@ -1,14 +1,14 @@
 //! Figures of frequency responses: the locked bench, the pendulum, both spring locations, moving links.
 
-use sealegs::actuator::bench::PendulumRig;
-use sealegs::actuator::response::{ForceResponse, Link, Transfer, db};
-use sealegs::actuator::{Coefficients, Configuration};
-use sealegs::recorder::chart::{Axis, Chart, Dash, Hue, Marker};
-use sealegs::sysid::frf::FrequencyResponse;
+use sealegs_actuator::bench::PendulumRig;
+use sealegs_actuator::response::{ForceResponse, Link, Transfer, db};
+use sealegs_actuator::{Coefficients, Configuration};
+use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
+use sealegs_sysid::frf::FrequencyResponse;
 
-use super::super::Reproduction;
-use super::super::thor::{STIFF_N_M, Thor, pendulum_link};
 use super::{Figure, logarithmic};
+use crate::Reproduction;
+use crate::thor::{STIFF_N_M, Thor, pendulum_link};
 
 const LOW_HZ: f64 = 0.1;
 
@@ -123,18 +123,18 @@ pub fn figure_3_9(r: &Reproduction, thor: &Thor) -> Figure {
     let h = &r.rehearsals;
     let points = |r: &FrequencyResponse| estimate_gain(r, &thinned(r, 0.1, 100.0, 70));
     let band = {
-        let bounds = h.moving_unlumped.bounds_db(1.96);
-        thinned(&h.moving_unlumped, 0.1, 100.0, 130)
+        let bounds = h.moving.unlumped.bounds_db(1.96);
+        thinned(&h.moving.unlumped, 0.1, 100.0, 130)
             .into_iter()
-            .map(|i| (h.moving_unlumped.frequency_hz[i], bounds[i].0, bounds[i].1))
+            .map(|i| (h.moving.unlumped.frequency_hz[i], bounds[i].0, bounds[i].1))
             .collect()
     };
     let chart = magnitude("F1/Fm with a moving output", 100.0)
         .band("95 % of the unlumped estimate", Hue::Blue, band)
         .line("unlumped, formula", Hue::Blue, Dash::Solid, gain_of(&unlumped, &grid))
         .line("lumped, formula", Hue::Vermillion, Dash::Dashed, gain_of(&lumped, &grid))
-        .scatter("unlumped, simulated and H1", Hue::Blue, Marker::Circle, points(&h.moving_unlumped))
-        .scatter("lumped, simulated and H1", Hue::Vermillion, Marker::Triangle, points(&h.moving_lumped))
+        .scatter("unlumped, simulated and H1", Hue::Blue, Marker::Circle, points(&h.moving.unlumped))
+        .scatter("lumped, simulated and H1", Hue::Vermillion, Marker::Triangle, points(&h.moving.lumped))
         .vertical(15.76, "printed 15.76")
         .vertical(6.35, "6.35")
         .vertical(1.0, "dip 1");

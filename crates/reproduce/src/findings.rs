@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Reproduction;
+use crate::Reproduction;
 
 /// One conclusion with its evidence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -37,8 +37,8 @@ fn static_points(r: &Reproduction) -> Finding {
         sentences.push(format!(
             "{} alone would have to be {} at the compliant and {} at the stiff setting: contradictory.",
             capitalised(cause.unknown),
-            super::text::number(cause.from_compliant),
-            super::text::number(cause.from_stiff)
+            crate::text::number(cause.from_compliant),
+            crate::text::number(cause.from_stiff)
         ));
     }
     Finding {
@@ -107,7 +107,7 @@ fn table_8(r: &Reproduction) -> Finding {
 
 fn bound(r: &Reproduction) -> Finding {
     let (soft, stiff) = (&r.table_8[1], &r.table_8[3]);
-    let loose = |p: &sealegs::actuator::design::Performance| {
+    let loose = |p: &sealegs_actuator::design::Performance| {
         100.0 * (p.bound_hz / p.simulated_hz.unwrap_or(f64::NAN) - 1.0)
     };
     Finding {

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Reproduction, Row, Verdict, findings};
+use crate::{Reproduction, Row, Verdict, findings};
 
 /// A number with four significant digits, or five where a fifth is needed to tell it from the print.
 #[must_use]
@@ -75,7 +75,7 @@ pub fn table(r: &Reproduction, all: bool) -> String {
     out.push('\n');
     out.push_str(&summary(r));
     out.push('\n');
-    for finding in findings::findings(r) {
+    for finding in findings(r) {
         out.push_str(&format!("\n{}\n", finding.title));
         for sentence in &finding.sentences {
             out.push_str(&format!("  {sentence}\n"));
@@ -121,7 +121,7 @@ pub fn json(r: &Reproduction) -> Value {
         "table_8": r.table_8,
         "softer_than_designed": r.softer,
         "moving_output_explanations": r.explanations,
-        "findings": findings::findings(r),
+        "findings": findings(r),
     })
 }
 
