@@ -5,7 +5,10 @@
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel};
 use sealegs_actuator::response::{ForceResponse, plant_bandwidth_hz};
-use sealegs_model::{Excitation, InputHold, Model, Record, Signal};
+use sealegs_model::{Excitation, InputHold, Model, Parameter, Record, Signal};
+
+/// Dry friction in the drive, N.
+const FRICTION_N: f64 = 100.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -31,7 +34,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ideal = BenchModel::new(spec, Bench::Locked)?;
     let rubbing = ideal.including("coulomb-friction", &Excitation::default())?;
     for (name, model) in [("ideal", ideal), ("with dry friction", rubbing)] {
-        let values: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
+        let value = |p: &Parameter| if p.name == "coulomb-friction.force_n" { FRICTION_N } else { p.value };
+        let values: Vec<f64> = model.parameters().iter().map(value).collect();
         let prediction = model.predict(&values, &record, &["force_1_n".to_owned()])?;
         let force_n = prediction.output("force_1_n").expect("a locked bench has it");
         let most_n = force_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);

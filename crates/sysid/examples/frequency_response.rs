@@ -1,9 +1,9 @@
-//! The frequency response from the first command to the first measured channel of a campaign, with coherence, and the
-//! second-order model that fits it.
+//! The frequency response from the first command to the first measured channel of a campaign, with coherence, and its
+//! peak.
 //!
 //! `cargo run --release -p sealegs-sysid --example frequency_response -- CAMPAIGN`
 
-use sealegs_sysid::frf::{Estimator, FitWeight, Hold, Welch, fit_second_order};
+use sealegs_sysid::frf::{Estimator, Hold, Welch, peak_near};
 use sealegs_sysid::{Campaign, Role};
 use std::path::PathBuf;
 
@@ -34,7 +34,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             println!("{hz:8.2} Hz {db:8.2} dB   coherence {:.3}", response.coherence[i]);
         }
     }
-    let fit = fit_second_order(&response.band(2.0, 40.0, 0.5), FitWeight::Coherence)?;
-    println!("fit: {:.1} / (s^2 + {:.2} s + {:.1})", fit.numerator, fit.first, fit.zeroth);
+    if let Some(peak) = peak_near(&response.frequency_hz, &magnitudes_db, 5.0, 60.0, 0.5) {
+        println!("peak: {:.2} dB at {:.2} Hz", peak.magnitude_db, peak.frequency_hz);
+    }
     Ok(())
 }
