@@ -8,7 +8,7 @@ use super::rerun::blueprint::archetypes::{
 };
 use super::rerun::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind, LinkAxis, TextLogColumn};
 use super::rerun::blueprint::datatypes::{TextLogColumn as ColumnOf, TextLogColumnKind};
-use super::{Geometry, Poses, Scene};
+use super::{Geometry, Poses, Scene, rerun};
 
 /// The whole layout. The eye is placed by the first poses, if there are any yet.
 pub(super) fn layout(scene: &Scene, poses: &[Poses]) -> Part {
