@@ -3,19 +3,9 @@
 # Needs Rust, a C linker and Python 3.11 or later with venv; Python's packages come by pip.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-# The workspace's own target folder and profile; a folder that is given is seen from where the caller is.
-target=$(realpath -m "${CARGO_TARGET_DIR:-$here/../target}")
+wheel=$("$here/wheel.sh")
+venv=$(dirname "$wheel")/venv
 cd "$here"
-
-# Always in the same place: the bindings are compiled again for another interpreter.
-venv=$target/wheels/venv
-python3 -m venv --clear "$venv"
-"$venv/bin/pip" install --quiet 'maturin>=1.9.4,<2'
-
-rm -f "$target"/wheels/sealegs-*.whl
-CARGO_TARGET_DIR=$target "$venv/bin/maturin" build --release --locked --interpreter "$venv/bin/python" --out "$target/wheels"
-
-wheel=$(ls "$target"/wheels/sealegs-*.whl)
 "$venv/bin/pip" install --quiet "$wheel[test]"
 echo "the wheel: $wheel"
 "$venv/bin/python" -m pytest "$@"

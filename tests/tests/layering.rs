@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 /// What each crate of the project may depend on within the project.
-const ARROWS: [(&str, &[&str]); 11] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("sealegs-model", &[]),
     ("sealegs-actuator", &["sealegs-model"]),
     // Parameters, geometry, scenarios and command profiles only: its integration is its own.
@@ -14,6 +14,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
     ("sealegs-sysid", &["sealegs-model", "sealegs-logs"]),
     ("sealegs-recorder", &["sealegs-model", "sealegs-sysid"]),
     ("sealegs-export", &["sealegs-model", "sealegs-actuator", "sealegs-leg"]),
+    ("sealegs-reproduce", &["sealegs-model", "sealegs-actuator", "sealegs-sysid", "sealegs-recorder"]),
     (
         "sealegs",
         &[
@@ -37,14 +38,19 @@ const ARROWS: [(&str, &[&str]); 11] = [
             "sealegs-sysid",
             "sealegs-recorder",
             "sealegs-export",
+            "sealegs-reproduce",
         ],
     ),
     ("sealegs-py", &["sealegs", "sealegs-cli"]),
 ];
 
 /// Libraries that only one crate may know.
-const OWNED: [(&str, &str); 7] = [
+const OWNED: [(&str, &str); 11] = [
     ("rerun", "sealegs-recorder"),
+    ("re_sdk_types", "sealegs-recorder"),
+    ("re_chunk", "sealegs-recorder"),
+    ("re_log_types", "sealegs-recorder"),
+    ("re_log_encoding", "sealegs-recorder"),
     ("rapier3d-f64", "sealegs-leg"),
     ("parry3d-f64", "sealegs-leg"),
     ("parquet", "sealegs-logs"),
@@ -100,15 +106,17 @@ fn engine_and_recorder_are_known_to_their_crate_only() {
 }
 
 #[test]
-fn a_wheel_takes_over_what_the_tests_have_compiled() {
+fn program_and_wheel_take_over_what_the_tests_have_compiled() {
     let compiled = |arguments: &[&str]| -> BTreeSet<String> {
         let lines = tree(&[arguments, &["--format", "{p} [{f}]"]].concat());
         lines.iter().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
     };
-    let (all, wheel) =
-        (compiled(&["--workspace"]), compiled(&["-p", "sealegs-py", "--edges", "normal,build"]));
-    let again: Vec<&String> = wheel.difference(&all).collect();
-    assert!(again.is_empty(), "py-sealegs/Cargo.toml lacks features of the workspace: {again:#?}");
+    let all = compiled(&["--workspace"]);
+    for alone in ["sealegs-cli", "sealegs-py"] {
+        let alone_needs = compiled(&["-p", alone, "--edges", "normal,build"]);
+        let again: Vec<&String> = alone_needs.difference(&all).collect();
+        assert!(again.is_empty(), "crates/cli/Cargo.toml lacks features of the workspace: {again:#?}");
+    }
 }
 
 /// Modules of the actuator in which its motion is computed.

@@ -3,13 +3,12 @@
 
 use std::sync::OnceLock;
 
-use sealegs_cli::reproduce::published::{Published, published};
-use sealegs_cli::reproduce::{Reproduction, Row, Verdict, reproduce};
+use sealegs_reproduce::{Entry, Reproduction, Row, Verdict, entries, reproduce};
 
 /// Everything, computed once for all tests.
-fn everything() -> &'static (Vec<Published>, Reproduction) {
-    static ONCE: OnceLock<(Vec<Published>, Reproduction)> = OnceLock::new();
-    ONCE.get_or_init(|| (published().expect("embedded"), reproduce().expect("recomputed")))
+fn everything() -> &'static (Vec<Entry>, Reproduction) {
+    static ONCE: OnceLock<(Vec<Entry>, Reproduction)> = OnceLock::new();
+    ONCE.get_or_init(|| (entries().expect("embedded"), reproduce().expect("recomputed")))
 }
 
 fn row(id: &str) -> &'static Row {
@@ -176,7 +175,7 @@ fn reference_every_row_that_was_recomputed_elsewhere() {
 fn verdicts_are_those_of_the_fact_sheet() {
     for (p, r) in everything().0.iter().zip(&everything().1.rows) {
         assert_eq!(p.id, r.id);
-        match (r.verdict, p.sheet_verdict.as_str()) {
+        match (r.verdict, p.verdict.as_str()) {
             // Nothing can be computed for the two heights of one robot.
             (Verdict::Statement, verdict) => assert!(verdict == "statement" || p.id == "C1-03", "{}", p.id),
             (Verdict::Miss, verdict) => assert_eq!(verdict, "INCONSISTENT", "{}: {r:?}", p.id),

@@ -7,7 +7,6 @@ pub mod failure;
 mod kind;
 pub mod output;
 pub mod progress;
-pub mod reproduce;
 pub mod verb;
 
 use clap::{CommandFactory, Parser};

@@ -198,6 +198,15 @@ impl LegRecorder {
 
 /// Runs a scenario to its end and records it.
 ///
+/// ```no_run
+/// use sealegs::recorder::recording::Output;
+/// use sealegs::{ScenarioBuilder, leg_scene::record};
+///
+/// let scenario = ScenarioBuilder::new("thor-drop").build()?;
+/// let (leg, result) = record(&scenario, Output::File("drop.rrd".into()))?;
+/// # Ok::<(), sealegs::Error>(())
+/// ```
+///
 /// # Errors
 ///
 /// What is wrong with the scenario or its robot, or what the disk or the viewer does not take.

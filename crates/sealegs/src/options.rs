@@ -206,6 +206,16 @@ impl From<&Self> for Options {
 ///
 /// The work ends with [`Error::Stopped`](crate::Error::Stopped) after the simulations that are running, which take
 /// milliseconds.
+///
+/// ```
+/// use sealegs::{Options, Stop};
+///
+/// let stop = Stop::new();
+/// let options = Options::new().stop(&stop);
+/// // In another thread, or when a signal comes:
+/// stop.stop();
+/// assert!(options.stop_handle().is_stopped());
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Stop(Arc<State>);
 

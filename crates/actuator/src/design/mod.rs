@@ -7,8 +7,10 @@
 //! bears impacts and controls force better.
 
 mod beam;
+mod table;
 
 pub use beam::{AvailableSetting, BeamChoice};
+pub use table::{PERFORMANCE_HEADS, performance_cells};
 
 use serde::{Deserialize, Serialize};
 

@@ -4,7 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use sealegs::actuator::design::{Criterion, Design, DesignRequest, Performance, design, table_8};
+use sealegs::actuator::design::{
+    Criterion, Design, DesignRequest, PERFORMANCE_HEADS, Performance, design, performance_cells, table_8,
+};
 use sealegs::actuator::spring::Spring;
 use sealegs::actuator::{ActuatorSpec, Configuration};
 use sealegs::leg::impact::{ImpactTable, sweep};
@@ -219,54 +221,17 @@ pub fn sentences(spec: &ActuatorSpec, answer: &Answer) -> Vec<String> {
     lines
 }
 
-/// Heads of the table of performances, with units.
-pub const HEADS: [(&str, &str); 11] = [
-    ("configuration", ""),
-    ("k", "kN/m"),
-    ("sprung", "kg"),
-    ("natural", "Hz"),
-    ("-3 dB", "Hz"),
-    ("force source", "Hz"),
-    ("increase", "decades"),
-    ("bound", "Hz"),
-    ("simulated", "Hz"),
-    ("usable", "Hz"),
-    ("limit", ""),
-];
-
-/// One line of the table of performances.
-#[must_use]
-pub fn cells(name: &str, p: &Performance) -> Vec<String> {
-    vec![
-        name.to_owned(),
-        format!("{:.1}", 1e-3 * p.stiffness_n_m),
-        format!("{}", p.sprung_mass_kg),
-        format!("{:.2}", p.natural_frequency_hz),
-        format!("{:.2}", p.plant_bandwidth_hz),
-        format!("{:.1}", p.pure_force_source_hz),
-        format!("{:.4}", p.increase_decades),
-        format!("{:.2}{}", p.bound_hz, if p.bound_holds { "" } else { " (fails)" }),
-        p.simulated_hz.map_or_else(|| "none".to_owned(), |f| format!("{f:.2}")),
-        format!("{:.2}", p.usable_hz),
-        match p.limited_by {
-            Criterion::PureForceSource => "force source",
-            Criterion::ControlledBandwidth => "current",
-        }
-        .to_owned(),
-    ]
-}
-
 /// Lines of performance: at the answer, at present, and the corrected Table 8.
 #[must_use]
 pub fn performances(answer: &Answer) -> Vec<Vec<String>> {
     let d = &answer.design;
     let mut rows = Vec::new();
     if let Some(p) = &d.at_min_stiffness {
-        rows.push(cells("at the least stiffness", p));
+        rows.push(performance_cells("at the least stiffness", p));
     }
-    rows.push(cells("with the present spring", &d.at_present));
+    rows.push(performance_cells("with the present spring", &d.at_present));
     for (name, p) in ["soft SBN", "soft SMH", "stiff SBN", "stiff SMH"].into_iter().zip(&answer.table_8) {
-        rows.push(cells(&format!("Table 8, {name}"), p));
+        rows.push(performance_cells(&format!("Table 8, {name}"), p));
     }
     rows
 }
@@ -309,7 +274,7 @@ fn text(spec: &ActuatorSpec, answer: &Answer) -> String {
         out.push('\n');
     }
     out.push('\n');
-    out.push_str(&aligned(&HEADS, &performances(answer)));
+    out.push_str(&aligned(&PERFORMANCE_HEADS, &performances(answer)));
     out.push_str("-3 dB: the plant's own; force source: up to where both ends feel the same force (eq 4-37); bound: eq 4-52. Table 8 as it\nshould be: the print sorts its omega_max row and calls the -3 dB frequency natural.\n");
     if let Some(drops) = &answer.drops {
         out.push_str(&format!(

@@ -7,7 +7,8 @@ use sealegs::actuator::response::{CompensatorBound, pure_force_source_hz};
 use sealegs::recorder::chart::{Axis, Chart, Dash, Hue, Marker};
 use sealegs::recorder::report::{Provenance, Report, Table, Tone};
 
-use super::design::{Answer, DROP_HEADS, HEADS, drop_rows, performances, sentences};
+use super::design::{Answer, DROP_HEADS, drop_rows, performances, sentences};
+use sealegs::actuator::design::PERFORMANCE_HEADS;
 
 /// The page.
 pub fn html(spec: &ActuatorSpec, answer: &Answer) -> String {
@@ -23,7 +24,7 @@ pub fn html(spec: &ActuatorSpec, answer: &Answer) -> String {
         "Bandwidth against stiffness: up to where the actuator is a pure force source, and how far an ideal compensator with clipped current controls the force, by the bound of eq 4-52 and in the time domain. The answer is the softest spring above the wanted bandwidth on both.",
     );
     page.section("Performance");
-    page.table(&table(&HEADS, performances(answer)), "At the requested current and force. -3 dB: the plant's own; force source: up to where both ends feel the same force (eq 4-37); bound: eq 4-52; increase: its decades. Table 8 as it should be: the print sorts its omega_max row and calls the -3 dB frequency natural.");
+    page.table(&table(&PERFORMANCE_HEADS, performances(answer)), "At the requested current and force. -3 dB: the plant's own; force source: up to where both ends feel the same force (eq 4-37); bound: eq 4-52; increase: its decades. Table 8 as it should be: the print sorts its omega_max row and calls the -3 dB frequency natural.");
     if let Some(drops) = &answer.drops {
         page.section("What it costs at impact");
         page.table(&table(&DROP_HEADS, drop_rows(drops)), &format!("One drop each, scenario {}; ground and carriage are estimates of that scenario. The spring is that of all actuators.", drops.scenario));

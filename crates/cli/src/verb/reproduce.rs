@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::output::Destination;
-use crate::reproduce::{html, reproduce, text};
+use sealegs_reproduce::{html, reproduce, text};
 
 /// Recompute the numbers of the dissertation "Series Elasticity in Linearly Actuated Humanoids".
 #[derive(Args)]
@@ -38,7 +38,7 @@ pub fn run(arguments: &Reproduce) -> anyhow::Result<u8> {
     }
     if let Some(destination) = report {
         let command = crate::command();
-        destination.write(html::html(&reproduction, &command)?.as_bytes())?;
+        destination.write(html(&reproduction, &command)?.as_bytes())?;
     }
     let to_stdout = |p: &Option<PathBuf>| p.as_deref() == Some(Path::new("-"));
     if !to_stdout(&arguments.json) && !to_stdout(&arguments.report) {

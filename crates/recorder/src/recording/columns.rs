@@ -2,9 +2,10 @@
 
 use super::entities::{refused, time_column};
 use super::paths::{self, EVENTS, WORLD};
+use super::rerun;
+use super::stream::Stream;
 use super::{Level, Poses, Scene, force_color};
 use crate::RecorderError;
-use rerun::RecordingStream;
 
 /// Frames that are not yet written.
 #[derive(Debug, Default)]
@@ -57,13 +58,13 @@ impl Columns {
     }
 
     /// Sends what is held and forgets it.
-    pub(super) fn send(&mut self, stream: &RecordingStream, scene: &Scene) -> Result<(), RecorderError> {
+    pub(super) fn send(&mut self, stream: &mut Stream, scene: &Scene) -> Result<(), RecorderError> {
         self.send_scalars(stream, scene)?;
         self.send_poses(stream, scene)?;
         self.send_events(stream)
     }
 
-    fn send_scalars(&mut self, stream: &RecordingStream, scene: &Scene) -> Result<(), RecorderError> {
+    fn send_scalars(&mut self, stream: &mut Stream, scene: &Scene) -> Result<(), RecorderError> {
         let rows = self.scalar_time_s.len();
         if rows > 0 {
             for (column, group) in self.scalars.iter_mut().zip(&scene.series) {
@@ -74,24 +75,23 @@ impl Columns {
                 let columns = rerun::Scalars::new(values)
                     .columns(std::iter::repeat_n(group.members.len(), rows))
                     .map_err(refused)?;
-                stream
-                    .send_columns(paths::group(&group.name), [time_column(&self.scalar_time_s)], columns)
-                    .map_err(refused)?;
+                let time = time_column(&self.scalar_time_s);
+                stream.send_columns(paths::group(&group.name), time, columns)?;
             }
         }
         self.scalar_time_s.clear();
         Ok(())
     }
 
-    fn send_poses(&mut self, stream: &RecordingStream, scene: &Scene) -> Result<(), RecorderError> {
+    fn send_poses(&mut self, stream: &mut Stream, scene: &Scene) -> Result<(), RecorderError> {
         let time = time_column(&self.pose_time_s);
         let poses = std::mem::take(&mut self.poses);
         self.pose_time_s.clear();
         if poses.is_empty() {
             return Ok(());
         }
-        let send = |path, columns: Vec<rerun::SerializedComponentColumn>| {
-            stream.send_columns(path, [time.clone()], columns).map_err(refused)
+        let mut send = |path, columns: Vec<rerun::SerializedComponentColumn>| {
+            stream.send_columns(path, time.clone(), columns)
         };
         for (i, body) in scene.bodies.iter().enumerate() {
             let columns = rerun::Transform3D::update_fields()
@@ -134,7 +134,7 @@ impl Columns {
         Ok(())
     }
 
-    fn send_events(&mut self, stream: &RecordingStream) -> Result<(), RecorderError> {
+    fn send_events(&mut self, stream: &mut Stream) -> Result<(), RecorderError> {
         if !self.events.is_empty() {
             let level = |l: Level| match l {
                 Level::Info => rerun::TextLogLevel::INFO,
@@ -146,9 +146,7 @@ impl Columns {
                 .with_many_level(self.events.iter().map(|(l, _)| level(*l)))
                 .columns_of_unit_batches()
                 .map_err(refused)?;
-            stream
-                .send_columns(paths::path([EVENTS]), [time_column(&self.event_time_s)], columns)
-                .map_err(refused)?;
+            stream.send_columns(paths::path([EVENTS]), time_column(&self.event_time_s), columns)?;
         }
         self.event_time_s.clear();
         self.events.clear();

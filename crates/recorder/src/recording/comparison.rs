@@ -7,10 +7,11 @@ use super::Color;
 use super::entities::{refused, time_column};
 use super::layout::{self, Part, View};
 use super::paths::{self, COMPLETE, DOCUMENTS, TIMELINE};
+use super::rerun::{self, EntityPath};
 use super::scene_view::plot;
+use super::stream::Stream;
 use super::writer::{Output, close, open};
 use crate::RecorderError;
-use rerun::{EntityPath, RecordingStream};
 use std::collections::BTreeSet;
 
 /// Values that are sent at once.
@@ -72,14 +73,14 @@ impl Comparison {
     /// two runs or channels have one name, otherwise as for a run's recording.
     pub fn write(&self, output: &Output) -> Result<(), RecorderError> {
         self.check()?;
-        let (stream, file) = open(output, "sealegs", &self.name)?;
-        layout::send(&stream, TIMELINE, &self.layout())?;
+        let (mut stream, file) = open(output, "sealegs", &self.name)?;
+        layout::send(&mut stream, TIMELINE, &self.layout())?;
         let summary = rerun::TextDocument::from_markdown(self.summary_markdown.as_str());
-        stream.log_static(summary_path(), &summary).map_err(refused)?;
+        stream.log_static(summary_path(), &summary)?;
         for run in &self.runs {
             for channel in &run.channels {
                 for (what, values) in channel.curves() {
-                    send(&stream, run, channel, what, &values)?;
+                    send(&mut stream, run, channel, what, &values)?;
                 }
             }
         }
@@ -203,7 +204,7 @@ fn summary_path() -> EntityPath {
 }
 
 fn send(
-    stream: &RecordingStream,
+    stream: &mut Stream,
     run: &ComparedRun,
     channel: &ComparedChannel,
     (what, color, width): Curve,
@@ -214,11 +215,11 @@ fn send(
         .with_names([format!("{what} [{}]", channel.unit)])
         .with_colors([rerun::Color::from(color)])
         .with_widths([width]);
-    stream.log_static(path.clone(), &style).map_err(refused)?;
+    stream.log_static(path.clone(), &style)?;
     for (time_s, values) in run.time_s.chunks(CHUNK).zip(values.chunks(CHUNK)) {
         let columns =
             rerun::Scalars::new(values.iter().copied()).columns_of_unit_batches().map_err(refused)?;
-        stream.send_columns(path.clone(), [time_column(time_s)], columns).map_err(refused)?;
+        stream.send_columns(path.clone(), time_column(time_s), columns)?;
     }
     Ok(())
 }

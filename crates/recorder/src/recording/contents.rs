@@ -1,10 +1,10 @@
 //! Reads a recording back: decoded series, events, and whether the file is whole.
 
 use super::paths::{self, COMPLETE, ENDING, EVENTS, TIMELINE};
+use super::rerun::{self, Chunk, LogMsg};
 use crate::RecorderError;
-use rerun::external::re_log_encoding::DecoderApp;
-use rerun::external::re_log_encoding::rrd::{Decodable as _, StreamFooter, StreamHeader};
-use rerun::log::{Chunk, LogMsg};
+use re_log_encoding::DecoderApp;
+use re_log_encoding::rrd::{Decodable as _, StreamFooter, StreamHeader};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;

@@ -1,9 +1,10 @@
 //! What of a scene is logged once: shapes, styles, the ground, documents.
 
 use super::paths::{self, DOCUMENTS, TIMELINE, WORLD};
+use super::rerun::{self, AsComponents, EntityPath};
+use super::stream::Stream;
 use super::{Color, Document, Geometry, Ground, Scene, SeriesGroup, Shape};
 use crate::RecorderError;
-use rerun::{AsComponents, EntityPath, RecordingStream};
 
 /// Colours of the series of one plot, in order; beyond the eighth they repeat.
 const SERIES_COLORS: [Color; 8] = [
@@ -32,16 +33,12 @@ pub(super) fn refused(error: impl std::fmt::Display) -> RecorderError {
     RecorderError::Recorder { what: error.to_string() }
 }
 
-fn log_static(
-    stream: &RecordingStream,
-    path: EntityPath,
-    what: &impl AsComponents,
-) -> Result<(), RecorderError> {
-    stream.log_static(path, what).map_err(refused)
+fn log_static(stream: &mut Stream, path: EntityPath, what: &impl AsComponents) -> Result<(), RecorderError> {
+    stream.log_static(path, what)
 }
 
 /// Logs everything of the scene that does not change.
-pub(super) fn log_scene(stream: &RecordingStream, scene: &Scene) -> Result<(), RecorderError> {
+pub(super) fn log_scene(stream: &mut Stream, scene: &Scene) -> Result<(), RecorderError> {
     log_static(stream, paths::path([WORLD]), &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
     for body in &scene.bodies {
         for (i, shape) in body.shapes.iter().enumerate() {
@@ -74,7 +71,7 @@ pub(super) fn log_scene(stream: &RecordingStream, scene: &Scene) -> Result<(), R
     Ok(())
 }
 
-fn log_shape(stream: &RecordingStream, path: EntityPath, shape: &Shape) -> Result<(), RecorderError> {
+fn log_shape(stream: &mut Stream, path: EntityPath, shape: &Shape) -> Result<(), RecorderError> {
     let center = shape.position_m.map(|v| v as f32);
     let rotation = rerun::Quaternion::from_xyzw(shape.orientation.map(|v| v as f32));
     let color = rerun::Color::from(shape.color);
@@ -192,7 +189,7 @@ fn ground_grid(ground: &Ground) -> rerun::LineStrips3D {
         .with_radii([rerun::components::Radius::new_ui_points(0.5)])
 }
 
-fn log_series_style(stream: &RecordingStream, group: &SeriesGroup) -> Result<(), RecorderError> {
+fn log_series_style(stream: &mut Stream, group: &SeriesGroup) -> Result<(), RecorderError> {
     let colors = (0..group.members.len()).map(|i| rerun::Color::from(SERIES_COLORS[i % SERIES_COLORS.len()]));
     let style = rerun::SeriesLines::new()
         .with_names(group.members.iter().map(String::as_str))
@@ -201,7 +198,7 @@ fn log_series_style(stream: &RecordingStream, group: &SeriesGroup) -> Result<(),
     log_static(stream, paths::group(&group.name), &style)
 }
 
-fn log_document(stream: &RecordingStream, document: &Document) -> Result<(), RecorderError> {
+fn log_document(stream: &mut Stream, document: &Document) -> Result<(), RecorderError> {
     let text = rerun::TextDocument::new(document.text.as_str());
     let media = if document.markdown { rerun::MediaType::markdown() } else { rerun::MediaType::plain_text() };
     log_static(stream, paths::path([DOCUMENTS, &document.name]), &text.with_media_type(media))

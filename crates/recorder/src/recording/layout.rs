@@ -1,16 +1,15 @@
 //! A blueprint as a tree of views, with what the recorder's own builder leaves out: eye, legend, axes.
 
-use super::entities::refused;
-use crate::RecorderError;
-use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg, RecordingId};
-use rerun::external::re_sdk_types::blueprint::archetypes::{
+use super::rerun::blueprint::archetypes::{
     ContainerBlueprint, PanelBlueprint, TimePanelBlueprint, ViewBlueprint, ViewContents, ViewportBlueprint,
 };
-use rerun::external::re_sdk_types::blueprint::components::{
+use super::rerun::blueprint::components::{
     AutoLayout, AutoViews, ColumnShare, ContainerKind, IncludedContent, PanelState, PlayState,
     QueryExpression, RootContainer, RowShare, TimelineName, ViewClass,
 };
-use rerun::{AsComponents, EntityPath, RecordingStream, RecordingStreamBuilder, SerializedComponentBatch};
+use super::rerun::{AsComponents, EntityPath, SerializedComponentBatch};
+use super::stream::{Layout, Stream};
+use crate::RecorderError;
 
 /// A part of the window.
 #[derive(Debug)]
@@ -55,20 +54,8 @@ impl View {
 }
 
 /// Sends the layout to the viewer, or into the file, and makes it the active one.
-pub(super) fn send(stream: &RecordingStream, timeline: &str, root: &Part) -> Result<(), RecorderError> {
-    let application = stream
-        .store_info()
-        .map(|info| info.application_id().clone())
-        .ok_or_else(|| refused("the recording stream is closed"))?;
-    let (blueprint, storage) = RecordingStreamBuilder::new(application)
-        .recording_id(RecordingId::random())
-        .blueprint()
-        .enabled(true)
-        .memory()
-        .map_err(refused)?;
-    blueprint.set_time_sequence("blueprint", 0);
-
-    let mut writer = Writer { blueprint: &blueprint, containers: 0, views: 0 };
+pub(super) fn send(stream: &mut Stream, timeline: &str, root: &Part) -> Result<(), RecorderError> {
+    let mut writer = Writer { layout: stream.layout(), containers: 0, views: 0 };
     let root = match writer.part(root, None)? {
         Placed::Container(id) => id,
         Placed::View(path) => writer.container(ContainerKind::Tabs, None, vec![path], &[])?,
@@ -86,13 +73,7 @@ pub(super) fn send(stream: &RecordingStream, timeline: &str, root: &Part) -> Res
         .with_play_state(PlayState::Paused);
     writer.log("time_panel", &time_panel)?;
 
-    let messages = storage.take();
-    let id = messages
-        .iter()
-        .find_map(|m| if let LogMsg::SetStoreInfo(i) = m { Some(i.info.store_id.clone()) } else { None })
-        .ok_or_else(|| refused("the layout is empty"))?;
-    stream.send_blueprint(messages, BlueprintActivationCommand::make_active(id));
-    Ok(())
+    stream.send_layout(&writer.layout)
 }
 
 /// Where a part has been put.
@@ -114,15 +95,15 @@ fn uuid(id: u64) -> String {
 /// A part of a container: its share of the room, or the name of its tab.
 type Child<'p> = (Option<f32>, Option<&'p str>, &'p Part);
 
-struct Writer<'a> {
-    blueprint: &'a RecordingStream,
+struct Writer {
+    layout: Layout,
     containers: u64,
     views: u64,
 }
 
-impl Writer<'_> {
-    fn log(&self, path: &str, what: &impl AsComponents) -> Result<(), RecorderError> {
-        self.blueprint.log(path, what).map_err(refused)
+impl Writer {
+    fn log(&mut self, path: &str, what: &impl AsComponents) -> Result<(), RecorderError> {
+        self.layout.log(path, what.as_serialized_batches())
     }
 
     /// Writes a part, which as a container takes the name that its tab gives it.
@@ -189,9 +170,7 @@ impl Writer<'_> {
             .with_space_origin(view.origin.to_string());
         self.log(&path, &description)?;
         for (kind, batches) in &view.properties {
-            self.blueprint
-                .log_serialized_batches(format!("{path}/{kind}"), false, batches.iter().cloned())
-                .map_err(refused)?;
+            self.layout.log(format!("{path}/{kind}"), batches.clone())?;
         }
         Ok(path)
     }

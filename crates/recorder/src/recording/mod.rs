@@ -8,8 +8,10 @@ mod entities;
 mod frame;
 mod layout;
 mod paths;
+mod rerun;
 mod scene;
 mod scene_view;
+mod stream;
 mod viewer;
 mod writer;
 

@@ -1,6 +1,6 @@
 //! Where things are inside a recording.
 
-use rerun::{EntityPath, EntityPathPart};
+use super::rerun::{EntityPath, EntityPathPart};
 
 /// The one timeline: simulated or measured time, s.
 pub(super) const TIMELINE: &str = "time";

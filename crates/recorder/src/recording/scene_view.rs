@@ -3,14 +3,12 @@
 use super::entities::rotate;
 use super::layout::{Part, View};
 use super::paths::{self, DOCUMENTS, EVENTS, WORLD};
-use super::{Geometry, Poses, Scene};
-use rerun::external::re_sdk_types::blueprint::archetypes::{
+use super::rerun::blueprint::archetypes::{
     Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns, TimeAxis,
 };
-use rerun::external::re_sdk_types::blueprint::components::{
-    BackgroundKind, Corner2D, Eye3DKind, LinkAxis, TextLogColumn,
-};
-use rerun::external::re_sdk_types::blueprint::datatypes::{TextLogColumn as ColumnOf, TextLogColumnKind};
+use super::rerun::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind, LinkAxis, TextLogColumn};
+use super::rerun::blueprint::datatypes::{TextLogColumn as ColumnOf, TextLogColumnKind};
+use super::{Geometry, Poses, Scene, rerun};
 
 /// The whole layout. The eye is placed by the first poses, if there are any yet.
 pub(super) fn layout(scene: &Scene, poses: &[Poses]) -> Part {

@@ -1,10 +1,8 @@
 //! An installed Rerun viewer: finding, starting and reaching it.
 
 use crate::RecorderError;
-use std::net::{SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::process::{Child, ChildStdin, Command, Stdio};
 
 /// The viewer's version that fits the recordings written here.
 const VERSION: &str = "0.36.3";
@@ -15,7 +13,7 @@ const VERSION: &str = "0.36.3";
 ///
 /// [`RecorderError::NoViewer`] with how to get one, if none is installed.
 pub fn show(recording: &Path) -> Result<(), RecorderError> {
-    spawn(&[recording.as_os_str()])
+    spawn(&[recording.as_os_str()], Stdio::null()).map(|_| ())
 }
 
 /// That no viewer can be used, and why.
@@ -23,37 +21,21 @@ pub(super) fn missing(what: impl Into<String>) -> RecorderError {
     RecorderError::NoViewer { what: what.into(), version: VERSION }
 }
 
-/// The address of a running viewer; starts one if none listens.
-pub(super) fn start(arguments: &[&std::ffi::OsStr]) -> Result<String, RecorderError> {
-    let address = SocketAddr::from(([127, 0, 0, 1], rerun::DEFAULT_SERVER_PORT));
-    let listens = || TcpStream::connect_timeout(&address, Duration::from_millis(200)).is_ok();
-    if !listens() {
-        let mut all = vec![std::ffi::OsStr::new("--expect-data-soon")];
-        all.extend(arguments);
-        spawn(&all)?;
-        // The data would be lost, and reported as lost only seconds later, if nobody listened yet.
-        let attempts = 100;
-        let ready = (0..attempts).any(|_| {
-            std::thread::sleep(Duration::from_millis(100));
-            listens()
-        });
-        if !ready {
-            return Err(missing("the installed one was started and does not answer within 10 s"));
-        }
-    }
-    Ok(rerun::DEFAULT_CONNECT_URL.to_owned())
+/// The standard input of a viewer. If one is running already, the new one hands over to it what it gets.
+pub(super) fn pipe() -> Result<ChildStdin, RecorderError> {
+    let arguments = ["--expect-data-soon", "-"].map(std::ffi::OsStr::new);
+    spawn(&arguments, Stdio::piped())?.stdin.take().ok_or_else(|| missing("it takes no data"))
 }
 
-fn spawn(arguments: &[&std::ffi::OsStr]) -> Result<(), RecorderError> {
+fn spawn(arguments: &[&std::ffi::OsStr], input: Stdio) -> Result<Child, RecorderError> {
     let program =
         find(std::env::var_os("PATH").as_deref()).ok_or_else(|| missing("no `rerun` on the PATH"))?;
     let mut command = Command::new(&program);
     // It outlives us: it must not hold our standard output open, nor die with our Ctrl-C.
-    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.args(arguments).stdin(input).stdout(Stdio::null()).stderr(Stdio::null());
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
-    command.spawn().map_err(|e| missing(format!("{} cannot be started ({e})", program.display())))?;
-    Ok(())
+    command.spawn().map_err(|e| missing(format!("{} cannot be started ({e})", program.display())))
 }
 
 /// The first `rerun` of a search path.

@@ -3,12 +3,11 @@
 use super::columns::Columns;
 use super::entities::{self, refused};
 use super::paths::{self, COMPLETE, DOCUMENTS, ENDING, EVENTS, TIMELINE, WORLD};
-use super::{Frame, Level, Scene, contents, layout, scene_view, viewer};
+use super::stream::Stream;
+use super::{Frame, Level, Scene, contents, layout, rerun, scene_view, viewer};
 use crate::RecorderError;
-use rerun::{RecordingStream, RecordingStreamBuilder};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Recordings are sent in pieces of this length, s: large enough to be small, small enough to be live.
 const CHUNK_S: f64 = 1.0;
@@ -16,8 +15,6 @@ const CHUNK_S: f64 = 1.0;
 const SCALAR_PERIOD_S: f64 = 1e-3;
 /// Poses are wanted this often, s.
 const POSE_PERIOD_S: f64 = 1e-2;
-/// A viewer that does not take the data within this time is gone.
-const VIEWER_PATIENCE: Duration = Duration::from_secs(30);
 
 /// Where a recording goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,7 +22,7 @@ pub enum Output {
     /// Into this file. Give a name beside the final one and rename it after
     /// [`RecordingWriter::finish`], so that a file of the final name is always whole.
     File(PathBuf),
-    /// To an installed viewer, which is started if none is running.
+    /// To an installed viewer: the one that runs, or a new one.
     Viewer,
 }
 
@@ -52,7 +49,7 @@ impl Due {
 /// recording that [`RecordingContents::read`](super::RecordingContents::read) reports as cut short.
 #[derive(Debug)]
 pub struct RecordingWriter {
-    stream: RecordingStream,
+    stream: Stream,
     file: Option<PathBuf>,
     scene: Scene,
     columns: Columns,
@@ -71,8 +68,8 @@ impl RecordingWriter {
     /// if the file cannot be created, [`RecorderError::NoViewer`] if there is none to show it.
     pub fn create(output: &Output, scene: &Scene) -> Result<Self, RecorderError> {
         check_names(scene)?;
-        let (stream, file) = open(output, "sealegs", &scene.name)?;
-        entities::log_scene(&stream, scene)?;
+        let (mut stream, file) = open(output, "sealegs", &scene.name)?;
+        entities::log_scene(&mut stream, scene)?;
         Ok(Self {
             stream,
             file,
@@ -159,10 +156,10 @@ impl RecordingWriter {
         if !self.laid_out {
             // Only now the first poses are known, and with them where to look.
             let root = scene_view::layout(&self.scene, self.columns.poses());
-            layout::send(&self.stream, TIMELINE, &root)?;
+            layout::send(&mut self.stream, TIMELINE, &root)?;
             self.laid_out = true;
         }
-        self.columns.send(&self.stream, &self.scene)
+        self.columns.send(&mut self.stream, &self.scene)
     }
 
     fn check(&self, frame: &Frame) -> Result<(), RecorderError> {
@@ -202,40 +199,27 @@ pub(super) fn open(
     output: &Output,
     application: &'static str,
     name: &str,
-) -> Result<(RecordingStream, Option<PathBuf>), RecorderError> {
-    // An environment variable of the recorder could switch it off; whoever asks for a file shall get one.
-    let builder = RecordingStreamBuilder::new(application).enabled(true).recording_name(name);
-    let (stream, file) = match output {
+) -> Result<(Stream, Option<PathBuf>), RecorderError> {
+    let (sink, file): (Box<dyn std::io::Write + Send>, _) = match output {
         Output::File(path) => {
-            let stream = builder.save(path).map_err(|e| RecorderError::File {
-                path: path.clone(),
-                source: std::io::Error::other(e.to_string()),
-            })?;
-            (stream, Some(path.clone()))
+            let file = std::fs::File::create(path)
+                .map_err(|source| RecorderError::File { path: path.clone(), source })?;
+            (Box::new(file), Some(path.clone()))
         }
-        Output::Viewer => (builder.connect_grpc_opts(viewer::start(&[])?).map_err(refused)?, None),
+        Output::Viewer => (Box::new(viewer::pipe()?), None),
     };
-    stream.set_log_time_enabled(false);
-    stream.set_log_tick_enabled(false);
-    Ok((stream, file))
+    Ok((Stream::begin(sink, application, name)?, file))
 }
 
 /// Marks the end, closes the stream, and looks whether the file is whole.
-pub(super) fn close(stream: RecordingStream, file: Option<&Path>, ending: &str) -> Result<(), RecorderError> {
-    stream.log_static(paths::path([ENDING]), &rerun::TextDocument::new(ending)).map_err(refused)?;
+pub(super) fn close(mut stream: Stream, file: Option<&Path>, ending: &str) -> Result<(), RecorderError> {
+    stream.log_static(paths::path([ENDING]), &rerun::TextDocument::new(ending))?;
+    stream.finish()?;
     match file {
-        None => stream
-            .flush_with_timeout(VIEWER_PATIENCE)
-            .map_err(|e| viewer::missing(format!("it does not take the data ({e})"))),
-        Some(path) => {
-            stream.flush_blocking().map_err(refused)?;
-            drop(stream);
-            if contents::has_footer(path)? {
-                Ok(())
-            } else {
-                Err(refused(format!("{} could not be completed; is the disk full?", path.display())))
-            }
+        Some(path) if !contents::has_footer(path)? => {
+            Err(refused(format!("{} could not be completed; is the disk full?", path.display())))
         }
+        _ => Ok(()),
     }
 }
 

@@ -109,6 +109,13 @@ pub struct SheetParameter {
 
 /// All effects, the actuators' first, in the order of the catalogues.
 ///
+/// ```
+/// for effect in sealegs::catalogue::entries()? {
+///     println!("{}: {}", effect.page_name(), effect.card().summary);
+/// }
+/// # Ok::<(), sealegs::Error>(())
+/// ```
+///
 /// # Errors
 ///
 /// If a rig of the program's own cannot be run.
@@ -120,6 +127,13 @@ pub fn entries() -> Result<Vec<Entry>> {
 }
 
 /// The effect of this id; a place before it (`knee/`) and a channel behind it (`@force_1_n`) do not count.
+///
+/// ```
+/// let friction = sealegs::catalogue::find("knee/coulomb-friction")?;
+/// assert_eq!(friction.card().id, "coulomb-friction");
+/// assert_eq!(friction.found_on(), ["bench", "leg"]);
+/// # Ok::<(), sealegs::Error>(())
+/// ```
 ///
 /// # Errors
 ///

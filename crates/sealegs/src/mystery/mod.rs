@@ -52,6 +52,16 @@ const DURATION_S: f64 = 20.0;
 
 /// A mystery on a bench. The same seed and level give the same bits.
 ///
+/// ```
+/// use sealegs::mystery::{Level, bench_mystery};
+/// use sealegs::reference::campaign::Rig;
+///
+/// let mystery = bench_mystery("riddle", Rig::Locked, 7, Level::Easy)?;
+/// let names: Vec<&str> = mystery.files.iter().map(|(name, _)| name.as_str()).collect();
+/// assert!(names.contains(&"campaign.toml"));
+/// # Ok::<(), sealegs::Error>(())
+/// ```
+///
 /// # Errors
 ///
 /// If a model cannot be simulated.
