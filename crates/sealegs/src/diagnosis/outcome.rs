@@ -2,6 +2,7 @@
 
 use super::confidence::Confidence;
 use super::sentence::sentence;
+use schemars::JsonSchema;
 use sealegs_model::Unit;
 use sealegs_sysid::diagnose::{Candidate, Diagnosis, Judged, MissingForce, OpenChoice, Port, VerdictKind};
 use sealegs_sysid::sanity::Finding;
@@ -10,7 +11,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// The contract's keys, and a few more.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Outcome {
     /// The campaign's name.
     pub campaign: String,
@@ -19,6 +20,7 @@ pub struct Outcome {
     /// The refitted base model.
     pub base: Side,
     /// `adequate`, `missing-effect`, `partly-explained` or `unexplained`.
+    #[schemars(extend("enum" = ["adequate", "missing-effect", "partly-explained", "unexplained"]))]
     pub verdict: &'static str,
     /// The effects that are named.
     pub effects: Vec<String>,
@@ -66,7 +68,7 @@ pub struct Outcome {
 }
 
 /// A convention under which the data are explained as well.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Choice {
     /// Parameters of the base model that are choices, with what is chosen.
     pub choices: BTreeMap<String, f64>,
@@ -82,7 +84,7 @@ impl Choice {
 }
 
 /// A model with its errors.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Side {
     /// Root mean square residual of the holdout runs, in noise units.
     pub holdout_error: f64,
@@ -98,7 +100,7 @@ pub struct Side {
 }
 
 /// What a model leaves of a channel.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ChannelSaid {
     /// The channel.
     pub channel: String,
@@ -111,7 +113,7 @@ pub struct ChannelSaid {
 }
 
 /// A step of the ladder.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct RungSaid {
     /// The effects so far.
     pub effects: Vec<String>,
@@ -122,7 +124,7 @@ pub struct RungSaid {
 }
 
 /// The signal that is missing at a port.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct MissingSignal {
     /// `rotor`, `spring`, `output`, `sensor/CHANNEL`; with its place before it on a leg.
     pub port: String,
@@ -146,7 +148,7 @@ pub struct MissingSignal {
 }
 
 /// A dependence with its share.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Share {
     /// On what.
     pub on: String,
@@ -155,7 +157,7 @@ pub struct Share {
 }
 
 /// A missing signal over what it depends on.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct CurveSaid {
     /// The abscissa.
     pub over: String,
@@ -170,7 +172,7 @@ pub struct CurveSaid {
 }
 
 /// A missing force, or what a sensor shows too much, in bins of what it depends on.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ForceSaid {
     /// The port, as in [`MissingSignal::port`].
     pub port: String,
@@ -194,7 +196,7 @@ pub struct ForceSaid {
 }
 
 /// Bins that belong to one line; all lists are of one length.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BranchSaid {
     /// `growing` or `shrinking`; empty for the only branch.
     pub label: String,
@@ -271,7 +273,7 @@ impl MissingSignal {
 }
 
 /// A fitted parameter.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct ParameterValue {
     /// Its name.
     pub name: String,
@@ -318,7 +320,7 @@ impl ParameterValue {
 }
 
 /// A sensor's fitted gain and bias.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SensorValue {
     /// The channel.
     pub channel: String,
@@ -333,7 +335,7 @@ pub struct SensorValue {
 }
 
 /// A set in the ranking.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Ranked {
     /// The set.
     pub effects: Vec<String>,
@@ -346,7 +348,7 @@ pub struct Ranked {
 }
 
 /// What a diagnosis cost.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub struct Work {
     /// Simulations.
     pub simulations: u64,
