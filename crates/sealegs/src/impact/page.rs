@@ -1,6 +1,7 @@
 //! The page of a sweep: which spring survives which drop, and the peaks over the height beside their limits.
 
 use super::{Survival, Survived};
+use crate::diagnosis::text::figures;
 use crate::report::units::capital;
 use sealegs_leg::impact::{ImpactActuator, ImpactRow, ImpactTable};
 use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker, Picture};
@@ -38,6 +39,8 @@ pub fn page(table: &ImpactTable, max_force_n: Option<f64>, command: &str) -> Str
 struct Quantity {
     /// In words.
     name: &'static str,
+    /// In one word, for a small picture's axis.
+    axis: &'static str,
     /// The unit as drawn, and what a value is multiplied by for it.
     unit: (&'static str, f64),
     /// The peak, SI.
@@ -48,18 +51,21 @@ struct Quantity {
 
 const FORCE: Quantity = Quantity {
     name: "Peak force",
+    axis: "Force",
     unit: ("kN", 1e-3),
     peak: |a| Some(a.force_1_n.abs().max(a.force_2_n.abs())),
     limit: ("rated force", |a| a.force_margin),
 };
 const STRESS: Quantity = Quantity {
     name: "Peak bending stress",
+    axis: "Stress",
     unit: ("MPa", 1e-6),
     peak: |a| a.stress_pa,
     limit: ("yield strength", |a| a.stress_margin),
 };
 const DEFLECTION: Quantity = Quantity {
     name: "Peak spring deflection",
+    axis: "Deflection",
     unit: ("mm", 1e3),
     peak: |a| Some(a.deflection_m.abs()),
     limit: ("", |_| None),
@@ -81,7 +87,11 @@ impl Sweep<'_> {
             0 => Tone::Bad,
             _ => Tone::Caution,
         };
-        let headline: Vec<String> = self.survival.sentences().iter().map(|s| capital(s)).collect();
+        let headline = match tone {
+            Tone::Good => "Every spring survives every drop.".to_owned(),
+            Tone::Bad => "No spring survives any drop.".to_owned(),
+            _ => self.survival.sentences().iter().map(|s| capital(s)).collect::<Vec<_>>().join(" "),
+        };
         let values: Vec<(String, String, String)> = self
             .survival
             .springs
@@ -90,8 +100,8 @@ impl Sweep<'_> {
             .filter_map(|(s, c)| self.least(s, c))
             .collect();
         let (certainty, reasons) = self.certainty();
-        let answer = Answer { headline: &headline.join(" "), values: &values, certainty, reasons: &reasons };
-        let ground = self.chart("Peak force of the ground", "Peak force", ("kN", 1e-3), |r| {
+        let answer = Answer { headline: &headline, values: &values, certainty, reasons: &reasons };
+        let ground = self.chart("Peak force of the ground", "Force", ("kN", 1e-3), |r| {
             Some(r.ground_force_n).filter(|f| *f > 0.0)
         });
         let nearest = self.nearest();
@@ -197,7 +207,7 @@ impl Sweep<'_> {
     fn of_actuator(&self, name: &str, quantity: &Quantity) -> Chart {
         let own = |r: &ImpactRow| r.actuators.iter().find(|a| a.name == name).cloned();
         let title = format!("{}: {}", name, quantity.name.to_lowercase());
-        let chart = self.chart(&title, quantity.name, quantity.unit, |r| (quantity.peak)(&own(r)?));
+        let chart = self.chart(&title, quantity.axis, quantity.unit, |r| (quantity.peak)(&own(r)?));
         let limit = self
             .table
             .rows
@@ -205,11 +215,18 @@ impl Sweep<'_> {
             .filter_map(own)
             .find_map(|a| Some((quantity.limit.1)(&a)? * (quantity.peak)(&a)?));
         let chart = match limit {
-            Some(limit) => chart.horizontal(quantity.unit.1 * limit, quantity.limit.0),
+            Some(limit) => {
+                let (symbol, scale) = quantity.unit;
+                let label = format!("{} {} {symbol}", quantity.limit.0, figures(scale * limit, 3));
+                chart.horizontal(scale * limit, &label)
+            }
             None => chart,
         };
         match self.max_force_n.filter(|_| quantity.name == FORCE.name) {
-            Some(max) => chart.horizontal(quantity.unit.1 * max, "--max-force"),
+            Some(max) => {
+                let (symbol, scale) = quantity.unit;
+                chart.horizontal(scale * max, &format!("--max-force {} {symbol}", figures(scale * max, 3)))
+            }
             None => chart,
         }
     }
@@ -322,14 +339,16 @@ mod tests {
             "Step not checked",
             "Peak force of the ground",
             "knee: peak force",
-            "rated force",
-            "--max-force",
+            "rated force 2.00 kN",
+            "--max-force 1.50 kN",
             "0.50 knee rated force",
         ] {
             assert!(screen.contains(said), "'{said}' in {screen}");
         }
         assert!(page.contains("knee: peak bending stress") && page.contains("yield strength"));
-        assert!(page.contains("Drop height [m]") && page.contains("Peak bending stress [MPa]"), "{page}");
+        assert!(page.contains("Drop height [m]") && page.contains("Stress [MPa]"), "{page}");
+        let all = |max_force_n| super::page(&table(), Some(max_force_n), "");
+        assert!(all(100.0).contains("No spring survives any drop."));
     }
 
     #[test]
