@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 import sealegs
@@ -19,6 +21,15 @@ def test_the_verdict_names_what_is_hidden_with_the_attributes_of_its_json(verdic
     assert "ranking" in dir(verdict)
     with pytest.raises(AttributeError, match="no 'rankings'; there is campaign"):
         _ = verdict.rankings
+
+
+def test_the_json_is_what_its_published_schema_says(verdict):
+    file = Path(__file__).parents[2] / "docs" / "schema" / "diagnose.json"
+    schema = json.loads(file.read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.validate(verdict.to_dict(), schema, cls=jsonschema.Draft202012Validator)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({**verdict.to_dict(), "verdict": "perhaps"}, schema)
 
 
 def test_a_notebook_shows_the_report(verdict, hidden):

@@ -3,10 +3,14 @@
 //! It runs long, and can be stopped: every campaign's outcome is a line of the results file, and those that are there
 //! already are not made again. Lines of another search are left out, and their campaigns made again. The file is kept beside
 //! the page, so that the matrix can be gone on with anywhere.
+//!
+//! On several machines that share a folder each does its part, and whoever finds every campaign done writes lines and page:
+//! `cargo run --release --example recovery_matrix -- --jobs FOLDER --shard 3/8`.
 
 use clap::Parser;
+use sealegs::jobs::{JobFolder, Shard};
 use sealegs_reference::campaign::Rig;
-use sealegs_tests::matrix::{Asked, DURATION_S, Outcome, cases, error, run, stamp, table};
+use sealegs_tests::matrix::{Asked, Case, DURATION_S, Outcome, cases, error, jobs, run, stamp, table};
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -42,6 +46,12 @@ struct Arguments {
     /// The page
     #[arg(long, default_value = "tests/recovery-matrix.md")]
     page: PathBuf,
+    /// Keep one file for each campaign in this folder; those that are whole are not made again
+    #[arg(long)]
+    jobs: Option<PathBuf>,
+    /// Do only every N-th campaign, beginning with the I-th
+    #[arg(long, value_name = "I/N", requires = "jobs")]
+    shard: Option<Shard>,
 }
 
 fn rig(name: &str) -> Result<Rig, String> {
@@ -62,42 +72,87 @@ fn main() -> Result<(), Box<dyn Error>> {
         strengths: arguments.strengths,
         seeds: arguments.seeds,
         first_seed: arguments.first_seed,
-        only: arguments.only,
+        only: arguments.only.clone(),
         rig: arguments.bench,
     };
+    let wanted = cases(&asked);
+    let done = match &arguments.jobs {
+        None => alone(&arguments, &wanted)?,
+        Some(folder) => match shard(&arguments, folder, &wanted)? {
+            Some(done) => done,
+            None => return Ok(()),
+        },
+    };
+    let order: Vec<String> =
+        cases(&Asked { strengths: 3, only: None, rig: None, ..asked }).iter().map(Case::name).collect();
+    write(&arguments, done, &order)
+}
+
+/// Makes what the results file does not have yet, and appends it.
+fn alone(arguments: &Arguments, wanted: &[Case]) -> Result<Vec<Outcome>, Box<dyn Error>> {
     let search = stamp()?;
     let mut done = read(&arguments.results)?;
     if done.iter().any(|o| o.search != search) {
         done.retain(|o| o.search == search);
-        let lines: Result<Vec<String>, _> = done.iter().map(serde_json::to_string).collect();
-        let text: String = lines?.iter().map(|line| format!("{line}\n")).collect();
-        std::fs::write(&arguments.results, text)?;
+        std::fs::write(&arguments.results, lines(&done)?)?;
     }
-    let wanted = cases(&asked);
     for (number, case) in wanted.iter().enumerate() {
         if done.iter().any(|o| o.name == case.name()) {
             continue;
         }
         let outcome = run(case, DURATION_S, &arguments.campaigns)?;
         let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&arguments.results)?;
-        writeln!(file, "{}", serde_json::to_string(&outcome)?)?;
-        eprintln!(
-            "{}/{} {}: {}, {} {} ({} -> {}, {:.0} s)",
-            number + 1,
-            wanted.len(),
-            outcome.name,
-            outcome.score,
-            outcome.verdict,
-            outcome.said.join(" + "),
-            error(outcome.base_error),
-            error(outcome.after_error),
-            outcome.seconds.unwrap_or(0.0)
-        );
+        file.write_all(lines(std::slice::from_ref(&outcome))?.as_bytes())?;
+        tell(&outcome, number, wanted.len());
         done.push(outcome);
     }
-    // In the order of the table, whatever the order in which they were made.
-    let all = Asked { strengths: 3, only: None, rig: None, ..asked };
-    let order: Vec<String> = cases(&all).iter().map(|c| c.name()).collect();
+    Ok(done)
+}
+
+/// Makes a shard's part of what the folder does not have yet; all outcomes, if every campaign has one then.
+fn shard(
+    arguments: &Arguments,
+    folder: &Path,
+    wanted: &[Case],
+) -> Result<Option<Vec<Outcome>>, Box<dyn Error>> {
+    let folder = JobFolder::open(folder, jobs(wanted, DURATION_S)?)?;
+    let make = |number: usize| -> Result<Outcome, Box<dyn Error>> {
+        let outcome = run(&wanted[number], DURATION_S, &arguments.campaigns)?;
+        tell(&outcome, number, wanted.len());
+        Ok(outcome)
+    };
+    let worked = folder.work(arguments.shard.unwrap_or_default(), &|_| (), make)?;
+    if worked.missing > 0 {
+        eprintln!("{} campaigns of other shards are missing", worked.missing);
+        return Ok(None);
+    }
+    let done = folder.results()?;
+    std::fs::write(&arguments.results, lines(&done)?)?;
+    Ok(Some(done))
+}
+
+/// Says what came out.
+fn tell(outcome: &Outcome, number: usize, of: usize) {
+    eprintln!(
+        "{}/{of} {}: {}, {} {} ({} -> {}, {:.0} s)",
+        number + 1,
+        outcome.name,
+        outcome.score,
+        outcome.verdict,
+        outcome.said.join(" + "),
+        error(outcome.base_error),
+        error(outcome.after_error),
+        outcome.seconds.unwrap_or(0.0)
+    );
+}
+
+/// Outcomes as lines of the results file.
+fn lines(outcomes: &[Outcome]) -> serde_json::Result<String> {
+    outcomes.iter().map(|o| Ok(serde_json::to_string(o)? + "\n")).collect()
+}
+
+/// Writes the page, in the order of the table, whatever the order in which the outcomes were made.
+fn write(arguments: &Arguments, mut done: Vec<Outcome>, order: &[String]) -> Result<(), Box<dyn Error>> {
     let place = |o: &Outcome| order.iter().position(|n| *n == o.name).unwrap_or(order.len());
     done.sort_by_key(place);
     std::fs::write(&arguments.page, table(&done, order.len(), &today()))?;

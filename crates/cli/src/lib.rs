@@ -4,6 +4,7 @@
 //! Exit status: 0 done, 2 bad input, 3 a limit stated on the command line was exceeded, 1 anything else.
 
 pub mod failure;
+mod jobs;
 mod kind;
 pub mod output;
 pub mod progress;

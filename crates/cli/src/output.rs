@@ -149,22 +149,44 @@ impl NewFolder {
         Ok(Self { path: path.to_owned(), unfinished: Some(unfinished) })
     }
 
-    /// Writes the files, by name and text, and puts the folder in place.
+    /// Writes a file, by its name within the folder.
     ///
     /// # Errors
     ///
-    /// If the disk does not take them.
-    pub fn write<'a>(mut self, files: impl IntoIterator<Item = (&'a str, &'a str)>) -> anyhow::Result<()> {
+    /// If the disk does not take it.
+    pub fn add(&self, name: &str, text: &str) -> anyhow::Result<()> {
+        let Some(part) = &self.unfinished else { return Ok(()) };
+        let place = part.join(name);
+        let written = place.parent().map_or(Ok(()), std::fs::create_dir_all);
+        written
+            .and_then(|()| std::fs::write(&place, text))
+            .with_context(|| self.path.join(name).display().to_string())
+    }
+
+    /// Puts the folder in place.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be renamed.
+    pub fn finish(mut self) -> anyhow::Result<()> {
         if let Some(part) = &self.unfinished {
-            for (name, text) in files {
-                let place = part.join(name);
-                std::fs::write(&place, text).with_context(|| self.path.join(name).display().to_string())?;
-            }
             std::fs::rename(part, &self.path).with_context(|| self.path.display().to_string())?;
             forget(part);
         }
         self.unfinished = None;
         Ok(())
+    }
+
+    /// Writes the files, by name and text, and puts the folder in place.
+    ///
+    /// # Errors
+    ///
+    /// If the disk does not take them.
+    pub fn write<'a>(self, files: impl IntoIterator<Item = (&'a str, &'a str)>) -> anyhow::Result<()> {
+        for (name, text) in files {
+            self.add(name, text)?;
+        }
+        self.finish()
     }
 }
 

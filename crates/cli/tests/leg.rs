@@ -1,5 +1,6 @@
 //! `sealegs list`, `run` and `impact` as a user types them: results, exit statuses, and nothing left of a refusal.
 
+use sealegs::recorder::recording::RecordingContents;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -62,6 +63,32 @@ fn a_sweep_is_gated_by_its_limit() {
     let result: Value = serde_json::from_str(&text(&json)).unwrap();
     assert_eq!(result["rows"].as_array().map(Vec::len), Some(2), "the table is written all the same");
     assert_eq!(sweep("30000"), Some(0));
+}
+
+#[test]
+fn a_sweep_has_a_report_and_one_recording_of_all_drops() {
+    let folder = tempfile::tempdir().unwrap();
+    let (report, rrd) = (folder.path().join("sweep.html"), folder.path().join("sweep.rrd"));
+    let sweep = ["impact", "thor-impact", "--heights", "0.02,0.05", "--springs", "compliant,locked-out"];
+    let outputs = ["--report", report.to_str().unwrap(), "--rrd", rrd.to_str().unwrap()];
+    let output = sealegs(&[&sweep[..], &["--set", "duration_s=0.2"], &outputs[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = text(&report);
+    for said in ["Peak force of the ground", "rated force", "yield strength", "sealegs impact thor-impact"] {
+        assert!(page.contains(said), "{said}");
+    }
+    let recording = RecordingContents::read(&rrd).unwrap();
+    assert!(recording.is_complete());
+    for drop in ["compliant 0.02 m", "locked-out 0.02 m", "compliant 0.05 m", "locked-out 0.05 m"] {
+        let force = recording.series("ground", drop).unwrap_or_else(|| panic!("{drop}"));
+        assert_eq!(force.time_s.len(), 201, "{drop}: a sample a millisecond, both ends counted");
+        assert!(force.values.iter().all(|v| v.is_finite()) && force.values.iter().any(|v| *v > 100.0));
+        assert!(recording.events.iter().any(|e| e.text.starts_with(&format!("{drop}: "))), "{drop}");
+        assert!(recording.entities.iter().any(|e| e.contains("shank")), "{:?}", recording.entities);
+    }
+    assert_eq!(files(folder.path()), 2, "nothing unfinished beside the results");
+    let refused = sealegs(&[&sweep[..], &["--rrd", "-"]].concat());
+    assert_eq!(refused.status.code(), Some(2));
 }
 
 #[test]

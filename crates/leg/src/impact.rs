@@ -3,12 +3,13 @@
 use crate::LegError;
 use crate::run::{RunResult, run};
 use crate::scenario::{Scenario, SweepSpec};
-use crate::simulation::{ActuatorModel, LegDescription, Observer, Sample};
+use crate::simulation::{ActuatorModel, Event, LegDescription, Observer, Sample, Simulation};
 use rayon::prelude::*;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// What the sweep found, one row for each height and spring, heights first.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ImpactTable {
     /// The scenario's name.
     pub scenario: String,
@@ -19,7 +20,7 @@ pub struct ImpactTable {
 }
 
 /// One drop.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ImpactRow {
     /// Drop height, m.
     pub height_m: f64,
@@ -42,7 +43,7 @@ pub struct ImpactRow {
 }
 
 /// One actuator in one drop. A margin is what is allowed over what was asked: below 1 the limit is exceeded.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ImpactActuator {
     /// Its name.
     pub name: String,
@@ -79,19 +80,96 @@ impl ImpactRow {
     }
 }
 
-/// Keeps the actuators' limits.
-#[derive(Default)]
-struct Models(Vec<ActuatorModel>);
+/// Keeps the actuators' limits, and lets somebody else watch.
+struct Limits<'a> {
+    actuators: Vec<ActuatorModel>,
+    watcher: &'a mut dyn Observer,
+}
 
-impl Observer for Models {
+impl Observer for Limits<'_> {
     fn start(&mut self, leg: &LegDescription) -> Result<(), LegError> {
-        self.0.clone_from(&leg.actuators);
+        self.actuators.clone_from(&leg.actuators);
+        self.watcher.start(leg)
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), LegError> {
+        self.watcher.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), LegError> {
+        self.watcher.event(event)
+    }
+}
+
+/// Watches nothing.
+struct Nobody;
+
+impl Observer for Nobody {
+    fn start(&mut self, _: &LegDescription) -> Result<(), LegError> {
         Ok(())
     }
 
     fn sample(&mut self, _: &Sample) -> Result<(), LegError> {
         Ok(())
     }
+}
+
+/// One drop that is to be done: it can be done anywhere, and comes out the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpactDrop {
+    /// Drop height, m.
+    pub height_m: f64,
+    /// Spring setting of all actuators.
+    pub spring: String,
+    scenario: Scenario,
+}
+
+impl ImpactDrop {
+    /// Drops, and with `check` drops once more at half the step.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with the scenario or the spring setting.
+    pub fn run(&self, check: bool) -> Result<ImpactRow, LegError> {
+        self.watched(check, &mut Nobody)
+    }
+
+    /// As [`ImpactDrop::run`], with an observer of the drop (not of that at half the step).
+    ///
+    /// # Errors
+    ///
+    /// As [`ImpactDrop::run`], and what the observer reports.
+    pub fn watched(&self, check: bool, watcher: &mut dyn Observer) -> Result<ImpactRow, LegError> {
+        let row = one(&self.scenario, self.height_m, &self.spring, watcher)?;
+        if check { checked(&self.scenario, row) } else { Ok(row) }
+    }
+}
+
+/// The drops of a sweep from all heights with all springs (each for all actuators), heights first.
+///
+/// # Errors
+///
+/// What is wrong with the scenario, a height or a spring setting.
+pub fn drops(scenario: &Scenario, over: &SweepSpec) -> Result<Vec<ImpactDrop>, LegError> {
+    if over.heights_m.is_empty() || over.springs.is_empty() {
+        let problem = "needs at least one height and one spring setting".to_owned();
+        return Err(LegError::scenario(&scenario.name, "sweep", problem));
+    }
+    if let Some(bad) = over.heights_m.iter().find(|h| !(h.is_finite() && **h >= 0.0)) {
+        let problem = format!("{bad}: must be zero or positive, and finite");
+        return Err(LegError::scenario(&scenario.name, "sweep.heights_m", problem));
+    }
+    let drop = |height_m: f64, spring: &String| {
+        let mut scenario = scenario.clone();
+        scenario.start.drop_height_m = height_m;
+        scenario.actuators.spring = Some(spring.clone());
+        scenario.actuator.values_mut().for_each(|a| a.spring = None);
+        ImpactDrop { height_m, spring: spring.clone(), scenario }
+    };
+    for spring in &over.springs {
+        Simulation::new(&drop(over.heights_m[0], spring).scenario)?;
+    }
+    Ok(over.heights_m.iter().flat_map(|h| over.springs.iter().map(move |s| drop(*h, s))).collect())
 }
 
 /// Drops the scenario's robot from all heights with all springs (each for all actuators). With `check` every
@@ -106,37 +184,44 @@ pub fn sweep(
     check: bool,
     done: &(dyn Fn() + Sync),
 ) -> Result<ImpactTable, LegError> {
-    if over.heights_m.is_empty() || over.springs.is_empty() {
-        let problem = "needs at least one height and one spring setting".to_owned();
-        return Err(LegError::scenario(&scenario.name, "sweep", problem));
-    }
-    if let Some(bad) = over.heights_m.iter().find(|h| !(h.is_finite() && **h >= 0.0)) {
-        let problem = format!("{bad}: must be zero or positive, and finite");
-        return Err(LegError::scenario(&scenario.name, "sweep.heights_m", problem));
-    }
-    let drops: Vec<(f64, &String)> =
-        over.heights_m.iter().flat_map(|h| over.springs.iter().map(move |s| (*h, s))).collect();
-    // Results come back in the order of the drops, whichever thread ran them.
-    let rows: Result<Vec<ImpactRow>, LegError> = drops
-        .par_iter()
-        .map(|&(height_m, spring)| {
-            let mut drop = scenario.clone();
-            drop.start.drop_height_m = height_m;
-            drop.actuators.spring = Some(spring.clone());
-            drop.actuator.values_mut().for_each(|a| a.spring = None);
-            let row = one(&drop, height_m, spring)?;
-            let row = if check { checked(&drop, row)? } else { row };
-            done();
-            Ok(row)
-        })
-        .collect();
-    Ok(ImpactTable { scenario: scenario.name.clone(), step_s: scenario.step_s, rows: rows? })
+    Ok(sweep_watched(scenario, over, check, done, || Nobody)?.0)
 }
 
-fn one(drop: &Scenario, height_m: f64, spring: &str) -> Result<ImpactRow, LegError> {
-    let mut models = Models::default();
-    let RunResult { peaks, worst_energy_residual, stopped, .. } = run(drop, &mut models)?;
-    let actuators = peaks.actuators.iter().zip(&models.0).map(|(p, m)| {
+/// As [`sweep`], with an observer of its own for every drop; they come back in the order of the rows.
+///
+/// # Errors
+///
+/// As [`sweep`], and what an observer reports.
+pub fn sweep_watched<O: Observer + Send>(
+    scenario: &Scenario,
+    over: &SweepSpec,
+    check: bool,
+    done: &(dyn Fn() + Sync),
+    watcher: impl Fn() -> O + Sync,
+) -> Result<(ImpactTable, Vec<O>), LegError> {
+    // Results come back in the order of the drops, whichever thread ran them.
+    let rows: Result<Vec<(ImpactRow, O)>, LegError> = drops(scenario, over)?
+        .par_iter()
+        .map(|drop| {
+            let mut watcher = watcher();
+            let row = drop.watched(check, &mut watcher)?;
+            done();
+            Ok((row, watcher))
+        })
+        .collect();
+    let (rows, watchers) = rows?.into_iter().unzip();
+    Ok((ImpactTable { scenario: scenario.name.clone(), step_s: scenario.step_s, rows }, watchers))
+}
+
+fn one(
+    drop: &Scenario,
+    height_m: f64,
+    spring: &str,
+    watcher: &mut dyn Observer,
+) -> Result<ImpactRow, LegError> {
+    let mut limits = Limits { actuators: Vec::new(), watcher };
+    let RunResult { peaks, worst_energy_residual, stopped, .. } = run(drop, &mut limits)?;
+    let actuators = peaks.actuators.iter().zip(&limits.actuators).map(|(p, m)| {
         let force = p.force_1_n.value.abs().max(p.force_2_n.value.abs());
         let stress = Some(p.stress_pa.value).filter(|_| m.limits.stress_per_force_pa > 0.0);
         ImpactActuator {
@@ -166,7 +251,7 @@ fn one(drop: &Scenario, height_m: f64, spring: &str) -> Result<ImpactRow, LegErr
 /// changes nobody's mind: changes count against at least a tenth of that.
 fn checked(drop: &Scenario, row: ImpactRow) -> Result<ImpactRow, LegError> {
     let fine = Scenario { step_s: 0.5 * drop.step_s, ..drop.clone() };
-    let half = one(&fine, row.height_m, &row.spring)?;
+    let half = one(&fine, row.height_m, &row.spring, &mut Nobody)?;
     let least = 0.1 * row.greatest_force().0;
     let (change, name) = row
         .forces()

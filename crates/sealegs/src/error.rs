@@ -130,6 +130,46 @@ pub enum Error {
         /// The first of what stops a diagnosis, with its cure.
         why: String,
     },
+    /// A text names no shard of a list of jobs.
+    #[error("'{given}' is no shard: I/N, the I-th of N, with I from 1 to N")]
+    BadShard {
+        /// The text.
+        given: String,
+    },
+    /// A folder holds other jobs than those that are asked for.
+    #[error("{}: {what}; name another folder", file.display())]
+    OtherJobs {
+        /// The list's file.
+        file: PathBuf,
+        /// In what they differ.
+        what: String,
+    },
+    /// A folder holds no list of jobs, or a file in it is not what it should be.
+    #[error("{}: {problem}", file.display())]
+    NoJobs {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Results are to be put together, and some are not there.
+    #[error("{}: {} of {of} jobs have no whole result: {}", folder.display(), missing.len(), some(missing))]
+    JobsMissing {
+        /// The folder.
+        folder: PathBuf,
+        /// How many jobs there are.
+        of: usize,
+        /// Those without a whole result.
+        missing: Vec<String>,
+    },
+    /// Runs of a mystery would be too short for their commands.
+    #[error("runs of {duration_s} s: at least {shortest_s} s are needed")]
+    TooShort {
+        /// As it was asked for, s.
+        duration_s: f64,
+        /// The shortest, s.
+        shortest_s: f64,
+    },
     /// There is no rough mystery on a leg.
     #[error("--level rough: a rough log is one of a bench, not of a leg")]
     NoSuchMystery,
@@ -183,6 +223,11 @@ impl Error {
             | Self::WrongModel { .. }
             | Self::Length { .. }
             | Self::WrongLog { .. }
+            | Self::BadShard { .. }
+            | Self::OtherJobs { .. }
+            | Self::NoJobs { .. }
+            | Self::JobsMissing { .. }
+            | Self::TooShort { .. }
             | Self::NoSuchMystery
             | Self::SealedAnswer { .. } => true,
         }
@@ -197,6 +242,15 @@ impl Error {
     pub(crate) fn model_file(problem: impl std::fmt::Display) -> Self {
         Self::Unwritable { what: "the model file", problem: problem.to_string() }
     }
+}
+
+/// Names that a message says at most.
+const SOME: usize = 5;
+
+/// The first of some names, and whether there are more.
+fn some(names: &[String]) -> String {
+    let more = if names.len() > SOME { " and more" } else { "" };
+    names[..names.len().min(SOME)].join(", ") + more
 }
 
 /// The end of a message that names what comes nearest, if anything does.

@@ -137,7 +137,8 @@ fn scalars(sample: &Sample, potential_at_start_j: f64) -> Vec<f64> {
     out
 }
 
-fn poses(sample: &Sample) -> rec::Poses {
+/// Where links, actuators and forces are in a sample, in the order of [`scene`].
+pub(crate) fn poses(sample: &Sample) -> rec::Poses {
     let mut arrows = Vec::new();
     for a in &sample.actuators {
         let (from, to) = (a.end_1_m, a.end_2_m);
@@ -220,6 +221,20 @@ pub fn record(scenario: &Scenario, output: rec::Output) -> Result<(LegDescriptio
     Ok((leg, result))
 }
 
+/// An event as a line of the text log.
+pub(crate) fn line(event: &Event) -> (rec::Level, String) {
+    let level = match event.level() {
+        EventLevel::Info => rec::Level::Info,
+        EventLevel::Warning => rec::Level::Warning,
+        EventLevel::Error => rec::Level::Error,
+    };
+    let text = match event.subject.as_str() {
+        "" => event.text.clone(),
+        subject => format!("{subject}: {}", event.text),
+    };
+    (level, text)
+}
+
 fn failed(error: sealegs_recorder::RecorderError) -> LegError {
     LegError::Observer(error.to_string())
 }
@@ -248,15 +263,7 @@ impl Observer for LegRecorder {
 
     fn event(&mut self, event: &Event) -> std::result::Result<(), LegError> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
-        let level = match event.level() {
-            EventLevel::Info => rec::Level::Info,
-            EventLevel::Warning => rec::Level::Warning,
-            EventLevel::Error => rec::Level::Error,
-        };
-        let text = match event.subject.as_str() {
-            "" => event.text.clone(),
-            subject => format!("{subject}: {}", event.text),
-        };
+        let (level, text) = line(event);
         writer.event(event.time_s, level, text).map_err(failed)
     }
 }

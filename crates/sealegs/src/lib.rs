@@ -28,7 +28,10 @@
 //!   ([`ModelSource`]), who is told of progress, and who may stop the work ([`Stop`]).
 //! - [`ScenarioBuilder`] and [`leg::scenario::Scenario::run`] simulate a leg, [`BenchBuilder`] an actuator on a bench.
 //! - [`catalogue`] has every effect's card, and what a log shows of it.
+//! - [`impact`] drops a leg from several heights with several springs: table, report, recording.
+//! - [`jobs`] spreads lists of independent jobs over machines, and puts their results together.
 //! - [`mystery`] makes campaigns with something hidden in them, and judges a verdict.
+//! - [`schema`] describes the results' JSON.
 //! - [`Error`] is one enum for everything that can go wrong, with the members' own errors inside.
 //!
 //! The members are here under their own names: [`model`], [`actuator`], [`leg`], [`sysid`], [`recorder`] and
@@ -45,6 +48,8 @@ pub mod catalogue;
 pub mod comparison;
 pub mod diagnosis;
 mod error;
+pub mod impact;
+pub mod jobs;
 pub mod leg_model;
 pub mod leg_scene;
 pub mod mystery;
@@ -52,6 +57,7 @@ mod options;
 mod report;
 pub mod robot_model;
 pub mod sanity;
+pub mod schema;
 mod simulate;
 mod stoppable;
 

@@ -12,6 +12,7 @@ pub use table::{error, table};
 
 use sealegs::bench_model;
 use sealegs::diagnosis::outcome;
+use sealegs::jobs::JobList;
 use sealegs::mystery::score::{Score, is_said_of_the_log, score};
 use sealegs::mystery::trial::{Strength, visible};
 use sealegs::mystery::{Located, MissingSignal, located};
@@ -109,6 +110,17 @@ pub fn cases(asked: &Asked) -> Vec<Case> {
     }
     all.retain(|case| asked.only.as_ref().is_none_or(|only| case.row() == *only));
     all
+}
+
+/// The cases as a list of jobs, with runs of a duration; their results are [`Outcome`]s.
+///
+/// # Errors
+///
+/// If a source of the search cannot be read.
+pub fn jobs(cases: &[Case], duration_s: f64) -> std::io::Result<JobList> {
+    let names: Vec<String> = cases.iter().map(Case::name).collect();
+    let about = serde_json::json!({ "duration_s": duration_s, "cases": names });
+    Ok(JobList::new("recovery-matrix", &stamp()?, about, &names))
 }
 
 /// What came out, as a line of the results file keeps it. Lines that were read back from a page know no more than it

@@ -54,7 +54,7 @@ impl Effect for PositionDependentFriction {
                    screw, clean and re-preload its nut."
                 .to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None }),
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None, beside: None }),
         }
     }
 

@@ -41,7 +41,7 @@ impl Effect for TemperatureFriction {
                    lubricant whose viscosity changes less."
                 .to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None }),
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None, beside: None }),
         }
     }
 

@@ -2,13 +2,17 @@
 
 use super::run::{load, progress};
 use crate::failure::{LIMIT_EXCEEDED, OrBadInput, bad_input};
+use crate::jobs::{self, JobArguments};
 use crate::output::Destination;
 use clap::Args;
-use sealegs::leg::impact::{ImpactRow, ImpactTable, sweep};
-use sealegs::leg::scenario::SweepSpec;
+use sealegs::impact::{DropRecorder, ImpactTable, Survival, drops, sweep, sweep_watched};
+use sealegs::jobs::{JobFolder, hash};
+use sealegs::leg::scenario::{Scenario, SweepSpec};
+use sealegs::recorder::recording::Output;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Drop a leg from several heights with several springs; exit status 3 when a stated limit is exceeded.
 #[derive(Args)]
@@ -28,17 +32,88 @@ pub struct Impact {
     #[arg(long)]
     check: bool,
     /// Write the table as CSV, one line for each actuator of each drop (`-`: standard output).
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "jobs")]
     csv: Option<PathBuf>,
     /// Write the table as JSON (`-`: standard output).
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "jobs")]
     json: Option<PathBuf>,
+    /// Write a report as one HTML file: which spring survives which drop, and peaks over the height beside their limits.
+    #[arg(long, value_name = "FILE.html", conflicts_with = "jobs")]
+    report: Option<PathBuf>,
+    /// Write all drops side by side as one Rerun recording.
+    #[arg(long, value_name = "FILE.rrd", conflicts_with = "jobs")]
+    rrd: Option<PathBuf>,
     /// Change a key of the scenario, dotted: `base.carriage_mass_kg=30`. May be repeated.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Integration step, s.
     #[arg(long, value_name = "SECONDS")]
     step: Option<f64>,
+    #[command(flatten)]
+    jobs: JobArguments,
+}
+
+/// The verb's name in lists of jobs.
+pub(super) const VERB: &str = "impact";
+
+/// What the drops follow from, and what is said of them.
+#[derive(Debug, Serialize, Deserialize)]
+struct About {
+    scenario: String,
+    /// Of the scenario with the command line's changes.
+    scenario_sha256: String,
+    step_s: f64,
+    heights_m: Vec<f64>,
+    springs: Vec<String>,
+    check: bool,
+    max_force_n: Option<f64>,
+}
+
+/// Where the table goes.
+pub(super) struct Outputs {
+    csv: Option<Destination>,
+    json: Option<Destination>,
+    report: Option<Destination>,
+    quiet: bool,
+}
+
+impl Outputs {
+    /// Tries the files out.
+    ///
+    /// # Errors
+    ///
+    /// Bad input if one cannot be written.
+    pub(super) fn new(
+        csv: Option<&PathBuf>,
+        json: Option<&PathBuf>,
+        report: Option<&PathBuf>,
+    ) -> anyhow::Result<Self> {
+        let quiet = [csv, json, report].into_iter().flatten().any(|path| path.as_os_str() == "-");
+        let (csv, json) = (Destination::optional(csv)?, Destination::optional(json)?);
+        Ok(Self { csv, json, report: Destination::optional(report)?, quiet })
+    }
+
+    /// Writes the table everywhere; returns the exit status.
+    fn write(self, table: &ImpactTable, max_force_n: Option<f64>) -> anyhow::Result<u8> {
+        if let Some(csv) = self.csv {
+            csv.write(&csv_of(table)?)?;
+        }
+        if let Some(json) = self.json {
+            json.write(format!("{}\n", serde_json::to_string_pretty(table)?).as_bytes())?;
+        }
+        if let Some(report) = self.report {
+            report.write(sealegs::impact::page(table, max_force_n, &crate::command()).as_bytes())?;
+        }
+        if !self.quiet {
+            let text = text_of(table) + &Survival::of(table, max_force_n).text();
+            std::io::stdout().write_all(text.as_bytes())?;
+        }
+        if let Some(row) = table.rows.iter().find(|r| r.stopped.is_some()) {
+            let why = row.stopped.as_deref().unwrap_or_default();
+            anyhow::bail!("the drop from {} m with {} springs stopped: {why}", row.height_m, row.spring);
+        }
+        Ok(gate(table, max_force_n))
+    }
 }
 
 /// Runs the verb.
@@ -48,6 +123,49 @@ pub struct Impact {
 /// Bad input, or a drop that did not reach its end.
 pub fn run(args: &Impact) -> anyhow::Result<u8> {
     let scenario = load(&args.scenario, &args.set, args.step)?;
+    let over = over(args, &scenario)?;
+    if let Some(limit) = args.max_force
+        && !(limit > 0.0 && limit.is_finite())
+    {
+        return Err(bad_input(format!("--max-force {limit}: must be positive and finite")));
+    }
+    if let Some(folder) = &args.jobs.jobs {
+        return work(args, folder, &scenario, &over);
+    }
+    let outputs = Outputs::new(args.csv.as_ref(), args.json.as_ref(), args.report.as_ref())?;
+    let rrd = Destination::optional(args.rrd.as_ref())?;
+    let bar = progress(
+        (over.heights_m.len() * over.springs.len()) as u64,
+        "{elapsed} {bar:40} {pos} of {len} drops",
+    );
+    let done = || {
+        if let Some(bar) = &bar {
+            bar.inc(1);
+        }
+    };
+    let table = match rrd {
+        None => sweep(&scenario, &over, args.check, &done).or_bad_input()?,
+        Some(destination) => {
+            let Some(part) = destination.part() else {
+                return Err(bad_input("--rrd -: a recording goes to a file"));
+            };
+            let (table, drops) =
+                sweep_watched(&scenario, &over, args.check, &done, DropRecorder::default).or_bad_input()?;
+            let document = toml::to_string_pretty(&scenario).unwrap_or_default();
+            let output = Output::File(part.to_owned());
+            sealegs::impact::record(&table, &drops, args.max_force, &document, &output)?;
+            destination.finish()?;
+            table
+        }
+    };
+    if let Some(bar) = &bar {
+        bar.finish_and_clear();
+    }
+    outputs.write(&table, args.max_force)
+}
+
+/// The heights and springs: those of the command line, else those of the scenario.
+fn over(args: &Impact, scenario: &Scenario) -> anyhow::Result<SweepSpec> {
     let own = scenario.sweep.clone().unwrap_or_default();
     let choose = |given: bool, what: &str| match given {
         true => Ok(()),
@@ -55,43 +173,38 @@ pub fn run(args: &Impact) -> anyhow::Result<u8> {
     };
     choose(!args.heights.is_empty() || !own.heights_m.is_empty(), "heights")?;
     choose(!args.springs.is_empty() || !own.springs.is_empty(), "springs")?;
-    let over = SweepSpec {
+    Ok(SweepSpec {
         heights_m: if args.heights.is_empty() { own.heights_m } else { args.heights.clone() },
         springs: if args.springs.is_empty() { own.springs } else { args.springs.clone() },
+    })
+}
+
+/// Does a shard of the drops.
+fn work(args: &Impact, folder: &Path, scenario: &Scenario, over: &SweepSpec) -> anyhow::Result<u8> {
+    let drops = drops(scenario, over).or_bad_input()?;
+    let about = About {
+        scenario: scenario.name.clone(),
+        scenario_sha256: hash(&toml::to_string(scenario)?),
+        step_s: scenario.step_s,
+        heights_m: over.heights_m.clone(),
+        springs: over.springs.clone(),
+        check: args.check,
+        max_force_n: args.max_force,
     };
-    if let Some(limit) = args.max_force
-        && !(limit > 0.0 && limit.is_finite())
-    {
-        return Err(bad_input(format!("--max-force {limit}: must be positive and finite")));
-    }
-    let csv = Destination::optional(args.csv.as_ref())?;
-    let json = Destination::optional(args.json.as_ref())?;
-    let drops = (over.heights_m.len() * over.springs.len()) as u64;
-    let bar = progress(drops, "{elapsed} {bar:40} {pos} of {len} drops");
-    let done = || {
-        if let Some(bar) = &bar {
-            bar.inc(1);
-        }
-    };
-    let table = sweep(&scenario, &over, args.check, &done).or_bad_input()?;
-    if let Some(bar) = &bar {
-        bar.finish_and_clear();
-    }
-    let to_stdout = [&args.csv, &args.json].iter().any(|p| p.as_ref().is_some_and(|p| p.as_os_str() == "-"));
-    if let Some(csv) = csv {
-        csv.write(&csv_of(&table)?)?;
-    }
-    if let Some(json) = json {
-        json.write(format!("{}\n", serde_json::to_string_pretty(&table)?).as_bytes())?;
-    }
-    if !to_stdout {
-        std::io::stdout().write_all((text_of(&table) + &survival(&table, args.max_force)).as_bytes())?;
-    }
-    if let Some(row) = table.rows.iter().find(|r| r.stopped.is_some()) {
-        let why = row.stopped.as_deref().unwrap_or_default();
-        anyhow::bail!("the drop from {} m with {} springs stopped: {why}", row.height_m, row.spring);
-    }
-    Ok(gate(&table, args.max_force))
+    let names: Vec<String> = drops.iter().map(|d| format!("{}m-{}", d.height_m, d.spring)).collect();
+    let list = jobs::list(VERB, serde_json::to_value(about)?, &names);
+    jobs::work(folder, args.jobs.shard, list, |number| drops[number].run(args.check).or_bad_input())
+}
+
+/// Puts the drops of a folder together.
+///
+/// # Errors
+///
+/// As [`run`]; bad input where a drop is missing.
+pub(super) fn merge(folder: &JobFolder, outputs: Outputs) -> anyhow::Result<u8> {
+    let about: About = folder.about()?;
+    let table = ImpactTable { scenario: about.scenario, step_s: about.step_s, rows: folder.results()? };
+    outputs.write(&table, about.max_force_n)
 }
 
 /// The exit status that the limit asks for.
@@ -189,134 +302,4 @@ pub(super) fn text_of(table: &ImpactTable) -> String {
         }
     }
     out
-}
-
-/// A drop beside its limits: the least margin of any actuator, and whose it is.
-struct Verdict {
-    /// Allowed over asked; infinite where no limit is known.
-    margin: f64,
-    /// Actuator and limit.
-    what: String,
-}
-
-/// The least margin of a drop over the rated forces, the yield strengths and the limit of the command line.
-fn verdict(row: &ImpactRow, max_force_n: Option<f64>) -> Verdict {
-    let of_actuators = row.actuators.iter().flat_map(|a| {
-        let rated = a.force_margin.map(|m| (m, format!("{} rated force", a.name)));
-        let yielding = a.stress_margin.map(|m| (m, format!("{} yield strength", a.name)));
-        rated.into_iter().chain(yielding)
-    });
-    let (force, name) = row.greatest_force();
-    let stated = max_force_n.filter(|_| force > 0.0).map(|max| (max / force, format!("{name} --max-force")));
-    let none = (f64::INFINITY, String::new());
-    let (margin, what) =
-        of_actuators.chain(stated).fold(none, |least, m| if m.0 < least.0 { m } else { least });
-    Verdict { margin, what }
-}
-
-/// One table of springs over heights: the least margin, and what is exceeded where it is below 1; then which survive.
-fn survival(table: &ImpactTable, max_force_n: Option<f64>) -> String {
-    let mut heights: Vec<f64> = Vec::new();
-    let mut springs: Vec<&str> = Vec::new();
-    for row in &table.rows {
-        if !heights.contains(&row.height_m) {
-            heights.push(row.height_m);
-        }
-        if !springs.contains(&row.spring.as_str()) {
-            springs.push(&row.spring);
-        }
-    }
-    let cell = |spring: &str, height: f64| -> (String, bool) {
-        let Some(row) = table.rows.iter().find(|r| r.spring == spring && r.height_m == height) else {
-            return ("-".to_owned(), false);
-        };
-        if row.stopped.is_some() {
-            return ("stopped".to_owned(), false);
-        }
-        let Verdict { margin, what } = verdict(row, max_force_n);
-        match margin {
-            m if m.is_infinite() => ("no limit known".to_owned(), true),
-            m if m < 1.0 => (format!("{m:.2} {what}"), false),
-            m => (format!("{m:.2}"), true),
-        }
-    };
-    let cells: Vec<Vec<(String, bool)>> =
-        springs.iter().map(|s| heights.iter().map(|h| cell(s, *h)).collect()).collect();
-    let name = springs.iter().map(|s| s.chars().count()).max().unwrap_or(0).max(6);
-    let width = cells.iter().flatten().map(|(text, _)| text.chars().count()).max().unwrap_or(0).max(8);
-    let mut out = String::from("\nLeast margin of any actuator, and what is exceeded where it is below 1:\n");
-    let _ = write!(out, "  {:<name$}", "spring");
-    for height in &heights {
-        let _ = write!(out, "  {:<width$}", format!("{height} m"));
-    }
-    out.truncate(out.trim_end().len());
-    out.push('\n');
-    for (spring, row) in springs.iter().zip(&cells) {
-        let _ = write!(out, "  {spring:<name$}");
-        for (text, _) in row {
-            let _ = write!(out, "  {text:<width$}");
-        }
-        out.truncate(out.trim_end().len());
-        out.push('\n');
-    }
-    for (spring, row) in springs.iter().zip(&cells) {
-        let kept = heights.iter().zip(row).filter(|(_, (_, survives))| *survives);
-        let kept: Vec<String> = kept.map(|(h, _)| format!("{h} m")).collect();
-        let said = match kept.len() {
-            0 => "no drop".to_owned(),
-            n if n == heights.len() => "every drop".to_owned(),
-            _ => kept.join(", "),
-        };
-        let _ = writeln!(out, "{spring} springs survive {said}.");
-    }
-    out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use sealegs::leg::impact::ImpactActuator;
-
-    fn row(height_m: f64, spring: &str, force_margin: f64, stress_margin: Option<f64>) -> ImpactRow {
-        let knee = ImpactActuator {
-            name: "knee".to_owned(),
-            force_1_n: 900.0,
-            force_2_n: -1000.0,
-            deflection_m: 1e-3,
-            stress_pa: None,
-            force_margin: Some(force_margin),
-            stress_margin,
-        };
-        ImpactRow {
-            height_m,
-            spring: spring.to_owned(),
-            ground_force_n: 2000.0,
-            ground_force_time_s: 0.1,
-            actuators: vec![knee],
-            energy_residual: 0.0,
-            stopped: None,
-            change_at_half_step: None,
-            changes_most: None,
-        }
-    }
-
-    #[test]
-    fn the_last_table_says_which_spring_survives_which_drop() {
-        let rows = vec![
-            row(0.05, "compliant", 2.0, Some(1.5)),
-            row(0.05, "stiff", 1.2, None),
-            row(0.1, "compliant", 1.1, Some(0.8)),
-            row(0.1, "stiff", 0.5, None),
-        ];
-        let table = ImpactTable { scenario: "drop".to_owned(), step_s: 1e-4, rows };
-        let text = survival(&table, None);
-        assert!(
-            text.contains("0.80 knee yield strength") && text.contains("0.50 knee rated force"),
-            "{text}"
-        );
-        assert!(text.contains("compliant springs survive 0.05 m.\nstiff springs survive 0.05 m."), "{text}");
-        // 1000 N against 400 N: everything fails, and the reason is the stated limit.
-        let text = survival(&table, Some(400.0));
-        assert!(text.contains("0.40 knee --max-force") && text.contains("survive no drop"), "{text}");
-    }
 }

@@ -14,10 +14,12 @@ mod impact;
 mod import;
 mod list;
 pub mod man;
+mod merge;
 mod mystery;
 mod reproduce;
 mod reveal;
 mod run;
+mod schema;
 mod tour;
 
 use clap::Subcommand;
@@ -51,12 +53,16 @@ pub enum Verb {
     Mystery(mystery::MysteryArguments),
     /// Open the answer of a mystery, and judge a verdict on it.
     Reveal(reveal::Reveal),
+    /// Put together what the shards of `diagnose`, `impact` or `mystery` have computed (`--jobs`, `--shard`).
+    Merge(merge::Merge),
     /// Run an actuator on a test bench.
     Bench(bench::BenchArguments),
     /// Recompute the numbers of the dissertation "Series Elasticity in Linearly Actuated Humanoids".
     Reproduce(reproduce::Reproduce),
     /// Choose spring stiffness and spring side for a force bandwidth.
     Design(design::DesignArguments),
+    /// Write the JSON schemas of the results into a folder.
+    Schema(schema::SchemaArguments),
     /// Print the completions of a shell.
     #[command(hide = true)]
     Completions(completions::Completions),
@@ -87,6 +93,8 @@ pub fn run(verb: Verb) -> anyhow::Result<u8> {
         Verb::Export(arguments) => export::run(&arguments),
         Verb::Mystery(arguments) => mystery::run(&arguments),
         Verb::Reveal(arguments) => reveal::run(&arguments),
+        Verb::Merge(arguments) => merge::run(&arguments),
+        Verb::Schema(arguments) => schema::run(&arguments),
         Verb::Bench(arguments) => bench::run(&arguments),
         Verb::Reproduce(arguments) => reproduce::run(&arguments),
         Verb::Design(arguments) => design::run(&arguments),

@@ -1,5 +1,6 @@
 //! Writes a run frame by frame into a file or to a viewer.
 
+use super::cadence::{Cadence, Due};
 use super::columns::Columns;
 use super::entities::{self, refused};
 use super::paths::{self, COMPLETE, DOCUMENTS, ENDING, EVENTS, TIMELINE, WORLD};
@@ -11,10 +12,6 @@ use std::path::{Path, PathBuf};
 
 /// Recordings are sent in pieces of this length, s: large enough to be small, small enough to be live.
 const CHUNK_S: f64 = 1.0;
-/// Scalars are wanted this often, s.
-const SCALAR_PERIOD_S: f64 = 1e-3;
-/// Poses are wanted this often, s.
-const POSE_PERIOD_S: f64 = 1e-2;
 
 /// Where a recording goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,23 +21,6 @@ pub enum Output {
     File(PathBuf),
     /// To an installed viewer: the one that runs, or a new one.
     Viewer,
-}
-
-/// What a frame at some time should bring.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Due {
-    /// The scalars.
-    pub scalars: bool,
-    /// The poses.
-    pub poses: bool,
-}
-
-impl Due {
-    /// Whether nothing is wanted.
-    #[must_use]
-    pub fn nothing(self) -> bool {
-        !self.scalars && !self.poses
-    }
 }
 
 /// Writes a run into a recording, or shows it live.
@@ -54,8 +34,7 @@ pub struct RecordingWriter {
     scene: Scene,
     columns: Columns,
     last_time_s: Option<f64>,
-    next_scalars_s: f64,
-    next_poses_s: f64,
+    cadence: Cadence,
     laid_out: bool,
 }
 
@@ -76,8 +55,7 @@ impl RecordingWriter {
             scene: scene.clone(),
             columns: Columns::new(scene),
             last_time_s: None,
-            next_scalars_s: f64::NEG_INFINITY,
-            next_poses_s: f64::NEG_INFINITY,
+            cadence: Cadence::default(),
             laid_out: false,
         })
     }
@@ -85,9 +63,7 @@ impl RecordingWriter {
     /// What a frame at `time_s` should bring, so that scalars come at 1 kHz and poses at 100 Hz.
     #[must_use]
     pub fn due(&self, time_s: f64) -> Due {
-        // Half a nanosecond of slack: the recording counts in nanoseconds.
-        let slack = 5e-10;
-        Due { scalars: time_s + slack >= self.next_scalars_s, poses: time_s + slack >= self.next_poses_s }
+        self.cadence.due(time_s)
     }
 
     /// Adds a frame.
@@ -99,13 +75,13 @@ impl RecordingWriter {
     pub fn frame(&mut self, frame: &Frame) -> Result<(), RecorderError> {
         self.check(frame)?;
         self.last_time_s = Some(frame.time_s);
+        self.cadence
+            .took(frame.time_s, Due { scalars: !frame.scalars.is_empty(), poses: frame.poses.is_some() });
         if !frame.scalars.is_empty() {
             self.columns.push_scalars(&self.scene, frame.time_s, &frame.scalars);
-            advance(&mut self.next_scalars_s, frame.time_s, SCALAR_PERIOD_S);
         }
         if let Some(poses) = &frame.poses {
             self.columns.push_poses(frame.time_s, poses.clone());
-            advance(&mut self.next_poses_s, frame.time_s, POSE_PERIOD_S);
         }
         if self.columns.first_time_s().is_some_and(|first| frame.time_s - first >= CHUNK_S) {
             self.send()?;
@@ -187,13 +163,6 @@ impl RecordingWriter {
     }
 }
 
-/// Moves the next due time on by whole periods, so that it keeps its beat and never lies in the past.
-fn advance(next_s: &mut f64, time_s: f64, period_s: f64) {
-    let from = if next_s.is_finite() { *next_s } else { time_s };
-    let periods = ((time_s - from) / period_s + 1e-6).floor().max(0.0) + 1.0;
-    *next_s = from + periods * period_s;
-}
-
 /// Opens a stream into a file or to a viewer.
 pub(super) fn open(
     output: &Output,
@@ -246,32 +215,4 @@ fn check_names(scene: &Scene) -> Result<(), RecorderError> {
         }
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn due_times_keep_their_beat_at_any_step() {
-        for step_s in [1e-4_f64, 1e-3 / 3.0, 2.5e-4, 7e-4] {
-            let mut next = f64::NEG_INFINITY;
-            let mut count = 0;
-            for i in 0..=(1.0 / step_s).round() as usize {
-                let time_s = i as f64 * step_s;
-                if time_s + 5e-10 >= next {
-                    count += 1;
-                    advance(&mut next, time_s, SCALAR_PERIOD_S);
-                }
-            }
-            assert!((1000..=1001).contains(&count), "step {step_s}: {count}");
-        }
-        // Steps longer than the period: every one.
-        let mut next = f64::NEG_INFINITY;
-        for i in 0..10 {
-            let time_s = 0.005 * f64::from(i);
-            assert!(time_s + 5e-10 >= next);
-            advance(&mut next, time_s, SCALAR_PERIOD_S);
-        }
-    }
 }

@@ -3,13 +3,14 @@
 use super::{Compared, worst_of_response};
 use crate::diagnosis::outcome::{ForceSaid, MissingSignal, ParameterValue, SensorValue, parameters, sensors};
 use crate::diagnosis::provenance::Provenance;
+use schemars::JsonSchema;
 use sealegs_sysid::diagnose::Port;
 use sealegs_sysid::sanity::Finding;
 use sealegs_sysid::{Role, residual};
 use serde::Serialize;
 
 /// Everything that is said of a comparison.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Summary {
     /// The campaign's name.
     pub campaign: String,
@@ -57,7 +58,7 @@ pub struct Summary {
 }
 
 /// Errors in noise units.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Errors {
     /// Root mean square residual of the holdout runs, noise units.
     pub holdout_error: Option<f64>,
@@ -66,7 +67,7 @@ pub struct Errors {
 }
 
 /// The base model.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Base {
     /// Root mean square residual of the holdout runs, noise units.
     pub holdout_error: Option<f64>,
@@ -79,7 +80,7 @@ pub struct Base {
 }
 
 /// One run and channel.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Line {
     /// The run's file name.
     pub run: String,
@@ -102,7 +103,7 @@ pub struct Line {
 }
 
 /// One region.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Place {
     /// What the data were divided by.
     pub axis: String,
@@ -117,7 +118,7 @@ pub struct Place {
 }
 
 /// One structure test.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Dependence {
     /// What the residual may depend on.
     pub on: &'static str,
@@ -134,7 +135,7 @@ pub struct Dependence {
 }
 
 /// A response's worst place.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Response {
     /// The channel.
     pub channel: String,
@@ -147,7 +148,7 @@ pub struct Response {
 }
 
 /// A pair of runs.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Repeat {
     /// The runs' file names.
     pub runs: (String, String),

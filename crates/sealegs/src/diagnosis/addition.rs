@@ -3,6 +3,7 @@
 use super::outcome::{ParameterValue, Side, parameters, sensors};
 use super::provenance::Provenance;
 use crate::{Error, Result};
+use schemars::JsonSchema;
 use sealegs_model::{Excitation, Model, ModelError};
 use sealegs_sysid::diagnose::{Candidate, MissingForce, Models, missing_force};
 use sealegs_sysid::{Campaign, Data, Evaluation, Role};
@@ -29,7 +30,7 @@ pub struct Added {
 }
 
 /// The result as `--json` writes it; `base` and `after` are those of `diagnose`.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Summary {
     /// The campaign's name.
     pub campaign: String,
@@ -46,7 +47,7 @@ pub struct Summary {
 }
 
 /// A model with its errors; without holdout runs there is no error on them.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SideOfAdd {
     /// Root mean square residual of the fit runs, in noise units.
     pub fit_error: f64,

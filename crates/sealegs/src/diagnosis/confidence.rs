@@ -2,10 +2,11 @@
 
 use super::outcome::{Outcome, ParameterValue};
 use crate::report::units::error;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How far a verdict can be relied on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Level {
     /// One explanation, at the noise floor, and nothing speaks against it.
@@ -20,7 +21,7 @@ pub enum Level {
 }
 
 /// A level with its reasons.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, JsonSchema)]
 pub struct Confidence {
     /// The level.
     pub level: Level,

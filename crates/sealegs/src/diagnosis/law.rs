@@ -6,7 +6,7 @@ use sealegs_sysid::diagnose::Diagnosis;
 use serde::Serialize;
 
 /// A curve that takes what no known effect takes.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub struct LawSaid {
     /// The id under which a model includes it.
     pub effect: String,
@@ -23,6 +23,7 @@ pub struct LawSaid {
     /// Share of the energy above the noise floor that it takes on the holdout runs.
     pub explained: f64,
     /// The law itself; the text of its file is this as TOML.
+    #[schemars(with = "std::collections::BTreeMap<String, serde_json::Value>")]
     pub law: Law,
 }
 

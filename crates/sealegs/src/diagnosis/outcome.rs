@@ -3,6 +3,7 @@
 use super::confidence::Confidence;
 use super::law::LawSaid;
 use super::sentence::sentence;
+use schemars::JsonSchema;
 use sealegs_model::Unit;
 use sealegs_sysid::diagnose::{Candidate, Diagnosis, Judged, MissingForce, OpenChoice, Port, VerdictKind};
 use sealegs_sysid::sanity::Finding;
@@ -11,7 +12,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// The contract's keys, and a few more.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Outcome {
     /// The campaign's name.
     pub campaign: String,
@@ -20,6 +21,7 @@ pub struct Outcome {
     /// The refitted base model.
     pub base: Side,
     /// `adequate`, `missing-effect`, `partly-explained` or `unexplained`.
+    #[schemars(extend("enum" = ["adequate", "missing-effect", "partly-explained", "unexplained"]))]
     pub verdict: &'static str,
     /// The effects that are named.
     pub effects: Vec<String>,
@@ -69,7 +71,7 @@ pub struct Outcome {
 }
 
 /// A convention under which the data are explained as well.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Choice {
     /// Parameters of the base model that are choices, with what is chosen.
     pub choices: BTreeMap<String, f64>,
@@ -85,7 +87,7 @@ impl Choice {
 }
 
 /// A model with its errors.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Side {
     /// Root mean square residual of the holdout runs, in noise units.
     pub holdout_error: f64,
@@ -101,7 +103,7 @@ pub struct Side {
 }
 
 /// What a model leaves of a channel.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ChannelSaid {
     /// The channel.
     pub channel: String,
@@ -114,7 +116,7 @@ pub struct ChannelSaid {
 }
 
 /// A step of the ladder.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct RungSaid {
     /// The effects so far.
     pub effects: Vec<String>,
@@ -125,7 +127,7 @@ pub struct RungSaid {
 }
 
 /// The signal that is missing at a port.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct MissingSignal {
     /// `rotor`, `spring`, `output`, `sensor/CHANNEL`; with its place before it on a leg.
     pub port: String,
@@ -149,7 +151,7 @@ pub struct MissingSignal {
 }
 
 /// A dependence with its share.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Share {
     /// On what.
     pub on: String,
@@ -158,7 +160,7 @@ pub struct Share {
 }
 
 /// A missing signal over what it depends on.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct CurveSaid {
     /// The abscissa.
     pub over: String,
@@ -173,7 +175,7 @@ pub struct CurveSaid {
 }
 
 /// A missing force, or what a sensor shows too much, in bins of what it depends on.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ForceSaid {
     /// The port, as in [`MissingSignal::port`].
     pub port: String,
@@ -197,7 +199,7 @@ pub struct ForceSaid {
 }
 
 /// Bins that belong to one line; all lists are of one length.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BranchSaid {
     /// `growing` or `shrinking`; empty for the only branch.
     pub label: String,
@@ -274,7 +276,7 @@ impl MissingSignal {
 }
 
 /// A fitted parameter.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct ParameterValue {
     /// Its name.
     pub name: String,
@@ -321,7 +323,7 @@ impl ParameterValue {
 }
 
 /// A sensor's fitted gain and bias.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SensorValue {
     /// The channel.
     pub channel: String,
@@ -336,7 +338,7 @@ pub struct SensorValue {
 }
 
 /// A set in the ranking.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Ranked {
     /// The set.
     pub effects: Vec<String>,
@@ -349,7 +351,7 @@ pub struct Ranked {
 }
 
 /// What a diagnosis cost.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub struct Work {
     /// Simulations.
     pub simulations: u64,

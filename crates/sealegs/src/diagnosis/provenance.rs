@@ -1,13 +1,14 @@
 //! Which files a result came from, by their hashes, and with which version of the program.
 
 use crate::{Error, Result};
+use schemars::JsonSchema;
 use sealegs_sysid::{Campaign, Run};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
 /// The inputs of a result.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Provenance {
     /// The program's version.
     pub version: &'static str,
@@ -18,7 +19,7 @@ pub struct Provenance {
 }
 
 /// A file that was read, or columns that were given in memory.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Input {
     /// The file's name without its folder; `(memory)` and the run's name for columns.
     pub file: String,

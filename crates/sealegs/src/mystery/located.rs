@@ -1,5 +1,6 @@
 //! Whether a diagnosis says where something acts that is in no catalogue, and what it depends on.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What is missing at a port, as `diagnose --json` lists it under `missing_signals`; other keys are left alone.
@@ -13,7 +14,7 @@ pub struct MissingSignal {
 }
 
 /// How what is said stands against the truth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Located {
     /// It is at the right port.
     pub port: bool,

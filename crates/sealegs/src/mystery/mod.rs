@@ -6,12 +6,14 @@
 //! kind.
 
 pub mod answer;
+mod judged;
 mod leg;
 pub mod located;
 mod reveal;
 pub mod score;
 pub mod trial;
 
+pub use judged::{Judged, Judgement, judge};
 pub use leg::leg_mystery;
 pub use located::{Located, MissingSignal, located};
 pub use reveal::{Verdict, page};
@@ -47,10 +49,13 @@ pub struct Mystery {
     pub answer: Answer,
 }
 
-/// Duration of a run, s.
-const DURATION_S: f64 = 20.0;
+/// Duration of a run on a bench, s, where no other is asked for.
+pub const DURATION_S: f64 = 20.0;
 
-/// A mystery on a bench. The same seed and level give the same bits.
+/// The shortest run of a bench in which its chirp still is one, s.
+pub const SHORTEST_S: f64 = 3.0;
+
+/// A mystery on a bench, with runs of a duration, s. The same seed, level and duration give the same bits.
 ///
 /// ```
 /// use sealegs::mystery::{Level, bench_mystery};
@@ -64,8 +69,11 @@ const DURATION_S: f64 = 20.0;
 ///
 /// # Errors
 ///
-/// If a model cannot be simulated.
-pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> Result<Mystery> {
+/// [`Error::TooShort`](crate::Error::TooShort) below [`SHORTEST_S`]; otherwise if a model cannot be simulated.
+pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level, duration_s: f64) -> Result<Mystery> {
+    if !(SHORTEST_S..=f64::MAX).contains(&duration_s) {
+        return Err(crate::Error::TooShort { duration_s, shortest_s: SHORTEST_S });
+    }
     let topic = match level {
         Level::Easy => "easy mystery",
         Level::Hard => "hard mystery",
@@ -80,7 +88,7 @@ pub fn bench_mystery(name: &str, rig: Rig, seed: u64, level: Level) -> Result<My
         rig,
         seed: draws.seed(),
         hidden: Vec::new(),
-        duration_s: DURATION_S,
+        duration_s,
         substeps: SUBSTEPS,
         rough: clean,
     };

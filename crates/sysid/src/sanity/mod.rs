@@ -17,11 +17,12 @@ mod units;
 pub use policy::{RULES, Rule};
 
 use crate::Campaign;
+use schemars::JsonSchema;
 use sealegs_model::Model;
 use serde::Serialize;
 
 /// What may be wrong with a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Problem {
     /// A column runs against its prediction.
@@ -72,7 +73,7 @@ impl Problem {
 }
 
 /// How much a finding matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
     /// To be known; a diagnosis can live with it.
@@ -82,7 +83,7 @@ pub enum Severity {
 }
 
 /// Something that is wrong with a log, or seems so.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Finding {
     /// The column; `time_s` for the clock, empty for the campaign as a whole.
     pub channel: String,
