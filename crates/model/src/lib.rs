@@ -83,6 +83,12 @@ pub trait Model: fmt::Debug + Send + Sync {
         self.predict(values, record, channels)
     }
 
+    /// Whether the prediction of a record can depend on a parameter, by its place among [`Model::parameters`]. Derivatives
+    /// that must be zero are then not simulated.
+    fn concerns(&self, _parameter: usize, _record: &Record) -> bool {
+        true
+    }
+
     /// Runs that could be made on the rig, where an experiment is no input to play but a run of the rig's own: each
     /// record's name says what to do, and [`Model::predict`] knows it by that name.
     fn experiments(&self) -> Vec<Record> {

@@ -62,6 +62,10 @@ impl Model for Stoppable {
         self.inner.predict(values, record, channels)
     }
 
+    fn concerns(&self, parameter: usize, record: &Record) -> bool {
+        self.inner.concerns(parameter, record)
+    }
+
     fn experiments(&self) -> Vec<Record> {
         self.inner.experiments()
     }

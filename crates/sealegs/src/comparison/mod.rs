@@ -90,6 +90,7 @@ pub fn compare<'a>(
                 let known = stated.sensor(&c.name);
                 Sensor {
                     channel: c.name.clone(),
+                    unit: c.unit.clone(),
                     gain: known.and_then(|s| s.gain).unwrap_or(1.0),
                     gain_std: 0.0,
                     gain_at_limit: false,
