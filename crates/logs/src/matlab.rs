@@ -1,8 +1,8 @@
 //! MATLAB's MAT-files of level 5 (`save -v6` and `-v7`): numeric arrays, also inside structures.
 //!
 //! The layout is that of "MAT-File Format" (The MathWorks, 2024), chapter 1. The reader is our own because the crates
-//! that there are leave structures out or make room for what a header claims before they look for it. Level 7.3 is HDF5 and is refused with
-//! what to do about it.
+//! that there are leave structures out or make room for what a header claims before they look for it. Level 7.3 is HDF5: see
+//! `hdf5.rs`.
 
 use crate::LogError;
 use crate::arrays::{Array, into_log};
@@ -24,9 +24,6 @@ const MOST_ARRAYS: usize = 20_000;
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
     if bytes.is_empty() {
         return Err(LogError::whole(path, "is empty"));
-    }
-    if bytes.starts_with(b"MATLAB 7.3") || bytes.get(512..).is_some_and(|b| b.starts_with(HDF5)) {
-        return Err(LogError::whole(path, HDF5_REMEDY));
     }
     let big = match bytes.get(HEADER - 4..HEADER) {
         Some([_, _, b'I', b'M']) => false,
@@ -69,9 +66,10 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
 /// What an HDF5 file begins with.
 pub(crate) const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// What is said of one.
-pub(crate) const HDF5_REMEDY: &str = "is HDF5 (MATLAB's level 7.3 is), which is not read; \
-    save it with save('file.mat', '-v7') in MATLAB, or from Python as .npz with h5py and numpy.savez";
+/// Whether a MAT-file is of level 7.3: HDF5 behind MATLAB's own header.
+pub(crate) fn is_hdf5(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"MATLAB 7.3") || bytes.get(512..).is_some_and(|b| b.starts_with(HDF5))
+}
 
 /// The element type of a compressed element, and of a matrix.
 const COMPRESSED: u32 = 15;

@@ -1,7 +1,7 @@
 //! Which reader a file needs.
 
 use crate::table::Log;
-use crate::{LogError, bag, csv_table, json, matlab, mcap_log, numpy, parquet_table, sqlite};
+use crate::{LogError, bag, csv_table, hdf5, json, matlab, mcap_log, numpy, parquet_table, sqlite};
 use std::path::{Path, PathBuf};
 
 /// A format of log files.
@@ -110,13 +110,14 @@ pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Log, LogError> {
     match Format::of(path, &bytes) {
         Format::Text => csv_table::parse(path, &bytes),
         Format::Parquet => parquet_table::parse(path, bytes.into()),
+        Format::Matlab if matlab::is_hdf5(&bytes) => hdf5::parse(path, bytes),
         Format::Matlab => matlab::parse(path, &bytes),
         Format::Json => json::parse(path, &bytes),
         Format::Npy => numpy::parse_npy(path, &bytes),
         Format::Npz => numpy::parse_npz(path, &bytes),
         Format::Mcap => mcap_log::parse(path, &bytes),
         Format::Sqlite => bag::parse(path, &bytes),
-        Format::Hdf5 => Err(LogError::whole(path, matlab::HDF5_REMEDY)),
+        Format::Hdf5 => hdf5::parse(path, bytes),
         Format::Rrd => {
             let remedy = "is a recording of Rerun, which is not read; save its scalars as Parquet or CSV: \
                 in Python rerun.dataframe.load_recording(…).view(…).select().read_pandas().to_parquet(…)";

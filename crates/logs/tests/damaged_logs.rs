@@ -120,6 +120,13 @@ proptest! {
     }
 
     #[test]
+    fn damaged_hdf5(bytes in prop_oneof![
+        damaged_bytes(&good("plain.h5")), damaged_bytes(&good("level73.mat")),
+    ]) {
+        survive("r.h5", bytes);
+    }
+
+    #[test]
     fn damaged_bags(bytes in damaged_bytes(&good("bag.db3"))) {
         survive("r.db3", bytes);
     }

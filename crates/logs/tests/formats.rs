@@ -73,8 +73,37 @@ fn reference_matlab_files_hold_the_numbers() {
     holds(table, "data.both[0]", q, EXACT);
     holds(table, "data.both[1]", u, EXACT);
     assert_eq!(plain.constants, [("data.gain".to_owned(), 35.15)]);
-    let message = read(&data("level73.mat")).unwrap_err().to_string();
-    assert!(message.contains("level73.mat") && message.contains("'-v7'"), "{message}");
+    let newer = log("level73.mat");
+    let table = &newer.tables[0];
+    assert_eq!(newer.format, "MATLAB (HDF5)");
+    holds(table, "t", t, EXACT);
+    holds(table, "data.q", q, EXACT);
+    holds(table, "data.both[0]", q, EXACT);
+    holds(table, "data.both[1]", u, EXACT);
+    holds(table, "data.i", |row| row as f64, 0.0);
+    holds(table, "data.on", |row| f64::from(u8::from(u(row) > 0.0)), 0.0);
+    assert_eq!(table.column("data.on").unwrap().holds.as_deref(), Some("true and false"));
+    assert_eq!(newer.constants, [("gain".to_owned(), 35.15)]);
+    for said in ["'label' is a char", "'nothing' has no numbers"] {
+        assert!(newer.notes.iter().any(|n| n.contains(said)), "{said}: {:?}", newer.notes);
+    }
+}
+
+#[test]
+fn reference_hdf5_holds_the_numbers() {
+    let log = log("plain.h5");
+    let table = &log.tables[0];
+    assert_eq!(log.format, "HDF5");
+    holds(table, "rig.t", t, EXACT);
+    holds(table, "rig.q", q, 1e-7);
+    holds(table, "rig.motor.both[0]", q, EXACT);
+    holds(table, "rig.motor.both[1]", u, EXACT);
+    holds(table, "rig.on", |row| f64::from(u8::from(u(row) > 0.0)), 0.0);
+    // Of a date since 1970 in ns a double keeps a quarter of a microsecond.
+    let stamps = &table.column("rig.stamp_ns").unwrap().values;
+    assert!((0..ROWS).all(|row| (stamps[row] - stamps[0] - 1e6 * row as f64).abs() <= 512.0));
+    assert_eq!(log.constants, [("gain".to_owned(), 35.15)]);
+    assert!(log.notes.iter().any(|n| n.contains("'rig.label' holds text")), "{:?}", log.notes);
 }
 
 #[test]

@@ -44,10 +44,35 @@ with open("comments.csv", "w") as out:
 names = {"t": t, "q": q, "u": u, "i": i.astype(np.int32), "gain": 35.15, "label": "a rig"}
 scipy.io.savemat("packed.mat", names, do_compression=True, oned_as="column")
 scipy.io.savemat("plain.mat", {"data": {**names, "both": np.column_stack([q, u])}}, oned_as="row")
+# MATLAB of level 7.3: HDF5 behind a header of MATLAB's; the last index is its first, truth and text are whole numbers.
 with h5py.File("level73.mat", "w", userblock_size=512) as out:
-    out["t"] = t
+    data = out.create_group("data")
+    data.attrs["MATLAB_class"] = np.bytes_("struct")
+    for place, name, values, kind in [
+        (out, "t", t[np.newaxis], "double"),
+        (data, "q", q[np.newaxis], "double"),
+        (data, "both", np.vstack([q, u]), "double"),
+        (data, "i", i[np.newaxis].astype(np.int32), "int32"),
+        (data, "on", (u > 0)[np.newaxis].astype(np.uint8), "logical"),
+        (out, "gain", np.array([[35.15]]), "double"),
+        (out, "label", np.array([[ord(c)] for c in "a rig"], dtype=np.uint16), "char"),
+        (out, "nothing", np.array([0, 0], dtype=np.uint64), "double"),
+    ]:
+        packed = {"compression": "gzip", "chunks": values.shape} if values.size > 4 else {}
+        place.create_dataset(name, data=values, **packed).attrs["MATLAB_class"] = np.bytes_(kind)
+    out["nothing"].attrs["MATLAB_empty"] = np.uint8(1)
 with open("level73.mat", "r+b") as out:
     out.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
+
+# HDF5 as h5py writes it: packed in chunks, in groups, stamps in ns.
+with h5py.File("plain.h5", "w") as out:
+    out.create_dataset("rig/t", data=t, chunks=(16,), compression="gzip", shuffle=True, fletcher32=True)
+    out["rig/q"] = q.astype(">f4")
+    out["rig/motor/both"] = np.column_stack([q, u])
+    out["rig/stamp_ns"] = START_NS + i * 1_000_000
+    out["rig/on"] = u > 0
+    out["rig/label"] = "a rig"
+    out["gain"] = 35.15
 
 # NumPy.
 np.savez("plain.npz", t=t, q=q.astype(np.float32), u=u, i=i, both=np.column_stack([q, u]), gain=35.15)
