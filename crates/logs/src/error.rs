@@ -28,7 +28,7 @@ impl LogError {
             file: file.to_owned(),
             at: at.into(),
             column: column.map(str::to_owned),
-            problem: problem.into(),
+            problem: one_line(&problem.into()),
         }
     }
 
@@ -62,6 +62,12 @@ impl From<Option<u64>> for Place {
     }
 }
 
+/// A text without line breaks and other control characters: names in a damaged file may hold them.
+fn one_line(text: &str) -> String {
+    let shown = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(shown).collect()
+}
+
 /// `r.csv, line 12, column 'force_1_n'`.
 #[must_use]
 pub fn place(file: &Path, at: Place, column: Option<&str>) -> String {
@@ -74,7 +80,7 @@ pub fn place(file: &Path, at: Place, column: Option<&str>) -> String {
     if let Some(column) = column {
         // A campaign file has keys, a table has columns.
         let what = if file.extension().is_some_and(|e| e == "toml") { "key" } else { "column" };
-        place.push_str(&format!(", {what} '{column}'"));
+        place.push_str(&format!(", {what} '{}'", one_line(column)));
     }
     place
 }

@@ -205,6 +205,11 @@ fn what_is_not_read_says_what_to_do() {
         ("r.mcap", b"nothing", "no readable MCAP"),
         ("r.npz", b"nothing", "no readable NPZ"),
         ("r.npy", b"nothing", "no readable NumPy"),
+        (
+            "r.npy",
+            b"\x93NUMPY\x01\x00\x38\x00{'descr': '<\n8', 'fortran_order': False, 'shape': (1,)}",
+            "'<\\n8'",
+        ),
         ("r.mat", b"nothing", "no MAT-file"),
         ("r.json", b"nothing", "no readable JSON"),
         ("r.db3", b"nothing", "no readable ROS 2 bag"),
