@@ -160,6 +160,9 @@ pub struct Outcome {
     /// lines made before this was kept.
     #[serde(default)]
     pub located: Option<Located>,
+    /// Share of the energy above the floor that a curve beyond the catalogue takes on the holdout runs, where one was found.
+    #[serde(default)]
+    pub explained: Option<f64>,
     /// Time of the diagnosis, s.
     pub seconds: Option<f64>,
 }
@@ -232,6 +235,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         worst_parameter: None,
         stated: Vec::new(),
         located: None,
+        explained: None,
         seconds: None,
     };
     let mut hidden = Vec::new();
@@ -270,6 +274,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         let depends_on: Vec<String> = truth.depends_on.iter().map(|d| (*d).to_owned()).collect();
         located(truth.port, &depends_on, &missing_signals(&found))
     });
+    outcome.explained = verdict.law.as_ref().map(|law| law.explained);
     outcome.score = scored.to_string();
     outcome.verdict = verdict.kind.as_str().to_owned();
     outcome.said.clone_from(&verdict.effects);
