@@ -134,6 +134,9 @@ pub fn rehearse(thor: &Thor) -> Result<Rehearsals, ReproduceError> {
     })
 }
 
+/// One run of the moving test: force 1 (N) as the load cell reads it, mean square (rad^2) and greatest swing (rad).
+type Swung = (Vec<f64>, f64, f64);
+
 /// The response of a pendulum bench to the noise of section 3-4-5, and the root mean square and greatest swing, rad.
 fn moving_response(
     thor: &Thor,
@@ -142,7 +145,7 @@ fn moving_response(
 ) -> Result<(FrequencyResponse, f64, f64), ReproduceError> {
     let spec = thor.spec_with(configuration, STIFF_N_M);
     let model = BenchModel::new(spec, Bench::Pendulum(PendulumRig::default()))?.with_step(STEP_S);
-    let runs: Vec<Result<(Vec<f64>, f64, f64), ReproduceError>> = commands
+    let runs: Vec<Result<Swung, ReproduceError>> = commands
         .par_iter()
         .map(|command| {
             let run = record("moving output", command.clone());
