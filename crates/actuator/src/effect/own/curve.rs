@@ -299,7 +299,7 @@ mod tests {
         let sensor = installed("sensor/force_1_n", Over::Value, Factor::One);
         let mut shown = vec![0.5, 4.0];
         sensor.laws.sensor_stages[0].apply(&mut shown, 1e-3);
-        assert_eq!(shown, [2.5, 7.0]);
+        assert_eq!(shown, [2.5, 13.0]);
         let drive = installed("drive", Over::Time, Factor::Command);
         let mut commands = vec![2.0, 2.0];
         drive.laws.command_stages[0].apply(&mut [0.0, 1.0], &mut commands);
