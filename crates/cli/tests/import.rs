@@ -75,7 +75,6 @@ fn what_cannot_be_done_is_one_message_and_status_2() {
     for (arguments, word) in [
         (vec!["import", "nowhere.csv"], "nowhere.csv"),
         (vec!["import", text(&broken)], "broken.mat"),
-        (vec!["import", text(&log("level73.mat"))], "-v7"),
         (vec!["import", text(&log("plain.mat")), "-o", text(folder.path())], "is there already"),
     ] {
         let done = sealegs(1, &arguments);

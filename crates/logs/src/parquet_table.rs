@@ -307,7 +307,10 @@ impl Lists<'_> {
         if let Some(problem) = self.problem {
             self.budget.take(source.rows).map_err(|problem| LogError::whole(source.path, problem))?;
             table.columns.push(not_numbers(source.name, source.rows, &problem));
-        } else if self.columns.is_empty() {
+            // What was read until then is no whole column.
+            return Ok(());
+        }
+        if self.columns.is_empty() {
             notes.push(format!("column '{}' holds empty lists", source.name));
         }
         for (i, mut column) in self.columns.into_iter().enumerate() {

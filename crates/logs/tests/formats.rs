@@ -207,7 +207,7 @@ fn what_is_not_read_says_what_to_do() {
         ("r.npy", b"nothing", "no readable NumPy"),
         (
             "r.npy",
-            b"\x93NUMPY\x01\x00\x38\x00{'descr': '<\n8', 'fortran_order': False, 'shape': (1,)}",
+            b"\x93NUMPY\x01\x00\x37\x00{'descr': '<\n8', 'fortran_order': False, 'shape': (1,)}",
             "'<\\n8'",
         ),
         ("r.mat", b"nothing", "no MAT-file"),

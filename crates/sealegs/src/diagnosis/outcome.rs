@@ -49,6 +49,7 @@ pub struct Outcome {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missing_force: Option<ForceSaid>,
     /// A curve that takes what no known effect takes, where something is left and one helps.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<LawSaid>,
     /// Sets by their prediction of left-out stretches, best first.
     pub ranking: Vec<Ranked>,

@@ -26,7 +26,7 @@ pub struct Missing {
     pub rms: f64,
     /// Root mean square that the sensors' noise alone would leave.
     pub std: f64,
-    /// Root mean square of the means of neighbours (see [`super::dependence::averaged`]), and what the noise leaves of that.
+    /// Root mean square of the means of neighbours (rows of a regression), and what the noise leaves of that.
     pub slow: (f64, f64),
     /// Its values where the sensors' noise alone is missing, run by run; empty where that is not known.
     pub quiet: Vec<Vec<f64>>,
