@@ -340,7 +340,8 @@ mod tests {
         let jobs = JobFolder::open(folder.path(), list()).unwrap();
         jobs.work(Shard::WHOLE, &|_| (), third).unwrap();
         let whole: Vec<String> = (0..4).map(|job| std::fs::read_to_string(jobs.file(job)).unwrap()).collect();
-        let breaks: [&dyn Fn(&str) -> Option<String>; 5] = [
+        type Break<'a> = &'a dyn Fn(&str) -> Option<String>;
+        let breaks: [Break; 5] = [
             &|_| None,
             &|text| Some(text[..text.len() - 1].to_owned()),
             &|text| Some(text.replace("0.333", "0.334")),
