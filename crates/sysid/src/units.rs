@@ -6,7 +6,7 @@
 //! and to a search it is a model like any other. Gain and bias of sensors are a unit's own through [`crate::data::Channel`].
 
 use crate::{Campaign, Error, Role};
-use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter, Prediction, Record};
+use sealegs_model::{EffectCard, Excitation, Law, Model, ModelError, Parameter, Prediction, Record};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -219,6 +219,10 @@ impl Model for PerUnit {
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
         self.inner.observing(records).map(|model| self.around(model))
+    }
+
+    fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {
+        self.inner.knowing(law).map(|model| self.around(model))
     }
 
     fn clone_box(&self) -> Box<dyn Model> {

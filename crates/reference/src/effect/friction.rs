@@ -3,9 +3,12 @@
 use super::{FrictionLaw, Known, Rubbing};
 use crate::Reference;
 
-/// Adds a bound to the rotor's dry friction.
+/// Adds a bound to the rotor's dry friction. A law of nothing but zeros is none: a bound of zero would be looked for at every
+/// reversal, and change the last bits.
 pub(super) fn rubs(machine: &mut Reference, values: &[f64], bound: fn(&[f64], &Rubbing) -> f64) {
-    machine.rotor_friction.push(FrictionLaw { values: values.to_vec(), bound });
+    if values.iter().any(|v| *v != 0.0) {
+        machine.rotor_friction.push(FrictionLaw { values: values.to_vec(), bound });
+    }
 }
 
 pub(super) const COULOMB: Known =

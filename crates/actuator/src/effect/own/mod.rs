@@ -477,7 +477,7 @@ impl Effect for OwnEffect {
                 curve.equation(),
                 "y1, y2, ...: the curve at its points; size: a factor of all; dry: dry friction beside it"
                     .to_owned(),
-                "Straight lines between the points, level beyond them: it says nothing of what was not seen.",
+                "Straight lines between the points; what lies beyond them was not seen.",
             ),
         };
         EffectCard {
