@@ -58,10 +58,10 @@ pub const SHORTEST_S: f64 = 3.0;
 /// A mystery on a bench, with runs of a duration, s. The same seed, level and duration give the same bits.
 ///
 /// ```
-/// use sealegs::mystery::{Level, bench_mystery};
+/// use sealegs::mystery::{DURATION_S, Level, bench_mystery};
 /// use sealegs::reference::campaign::Rig;
 ///
-/// let mystery = bench_mystery("riddle", Rig::Locked, 7, Level::Easy)?;
+/// let mystery = bench_mystery("riddle", Rig::Locked, 7, Level::Easy, DURATION_S)?;
 /// let names: Vec<&str> = mystery.files.iter().map(|(name, _)| name.as_str()).collect();
 /// assert!(names.contains(&"campaign.toml"));
 /// # Ok::<(), sealegs::Error>(())
