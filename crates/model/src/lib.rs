@@ -112,6 +112,14 @@ pub trait Model: fmt::Debug + Send + Sync {
         None
     }
 
+    /// A copy whose simulations of these records are drawn to the measured motion so slowly that an error is forgotten after
+    /// about `memory_s`, as if the run were many short ones that each begin where the log is. For models whose open-loop
+    /// motion amplifies errors or adds them up, so that a whole run says as little as one sample. `None` if a run of this
+    /// model needs no such thing, or the records measure no motion to be drawn to.
+    fn forgetting(&self, _records: &[&Record], _memory_s: f64) -> Option<Box<dyn Model>> {
+        None
+    }
+
     /// A copy that could have one more effect: a law that was read off a missing signal, under the id
     /// [`Law::effect`]. `None` if it has no place for such a law.
     fn knowing(&self, _law: &Law) -> Option<Box<dyn Model>> {

@@ -78,6 +78,10 @@ impl Model for Stoppable {
         self.inner.observing(records).map(|model| self.around(model))
     }
 
+    fn forgetting(&self, records: &[&Record], memory_s: f64) -> Option<Box<dyn Model>> {
+        self.inner.forgetting(records, memory_s).map(|model| self.around(model))
+    }
+
     fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {
         self.inner.knowing(law).map(|model| self.around(model))
     }

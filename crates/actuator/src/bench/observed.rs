@@ -11,6 +11,9 @@ use std::sync::{Arc, Mutex};
 #[derive(Debug)]
 pub(super) struct Observed {
     runs: Vec<(String, Vec<(String, ReferenceMotion)>)>,
+    /// Natural frequency of the pull on a drive without a spring, rad/s; as fast as shows what is missing where none is
+    /// given.
+    rate: Option<f64>,
     /// The same on the grids of simulations, by record, channel and grid: every simulation asks for them again.
     on_grids: Mutex<Vec<OnGrid>>,
 }
@@ -46,7 +49,12 @@ impl Observed {
                 Some((record.name.clone(), motions.collect()))
             })
             .collect::<Option<Vec<_>>>()?;
-        Some(Self { runs, on_grids: Mutex::default() })
+        Some(Self { runs, rate: None, on_grids: Mutex::default() })
+    }
+
+    /// The same with a pull on a drive without a spring of this natural frequency, rad/s.
+    pub fn slowed(self, rate: f64) -> Self {
+        Self { rate: Some(rate), ..self }
     }
 
     /// A channel's motion on a simulation's grid.
@@ -103,7 +111,8 @@ impl Observed {
         let mass = c.total_mass();
         if let Some(load) = plant.rigid {
             let (channel, scale) = self.output(record, plant, model.bench_of(&record.name).arm_m())?;
-            let rate = rigid_observer_rate(grid.step_s, record.mean_period_s());
+            let fast = || rigid_observer_rate(grid.step_s, record.mean_period_s());
+            let rate = self.rate.unwrap_or_else(fast);
             let pull = Pull::on(self.on_grid(record, channel, grid)?, scale, mass + load.mass_kg(), rate);
             return Some(Observer { rotor: Some(pull), output: None });
         }
@@ -128,7 +137,8 @@ impl Observed {
     /// behind its reference; the measured force in the place of the spring's, where there is one. At the spring: the
     /// measured force beyond that of the modelled spring at the measured deflection. At the output: the pull on it.
     pub fn missing(&self, record: &Record, plant: &Plant, trace: &Trace, arm_m: f64) -> Vec<Signal> {
-        if trace.rotor_pull.is_empty() {
+        // A slow pull shows a part of it only.
+        if trace.rotor_pull.is_empty() || self.rate.is_some() {
             return Vec::new();
         }
         let (grid, time_s) = (&trace.grid, &record.time_s);

@@ -296,6 +296,11 @@ impl RobotModel {
         Ok(Machine { tree, drives })
     }
 
+    /// The joints' position channels.
+    fn positions(&self) -> Vec<String> {
+        self.joints.iter().map(|j| j.channel(Column::Position)).collect()
+    }
+
     /// Every channel that the robot's sensors can show.
     fn find(&self, channel: &str) -> Option<(usize, Column)> {
         let columns = [Column::Position, Column::Speed];
@@ -441,7 +446,8 @@ impl Model for RobotModel {
         let pulls = self.observed.as_ref().and_then(|observed| observed.pulls(record, &grid));
         let traces = machine.run(start, &commands, pulls.as_deref(), grid, &names)?;
         let mut prediction = self.sense(&machine, &traces, &grid, &record.time_s, channels)?;
-        if let Some(pulls) = pulls {
+        let shown = pulls.filter(|_| self.observed.as_ref().is_some_and(|o| o.shows_missing()));
+        if let Some(pulls) = shown {
             for (joint, trace) in traces.iter().enumerate() {
                 let channel = format!("{}.{}rotor", names[joint], internal::MISSING);
                 let damping = machine.drives[joint].damping;
@@ -457,8 +463,12 @@ impl Model for RobotModel {
     }
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
-        let channels: Vec<String> = self.joints.iter().map(|j| j.channel(Column::Position)).collect();
-        let observed = Observed::of(records, &channels)?;
+        let observed = Observed::of(records, &self.positions(), None)?;
+        Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
+    }
+
+    fn forgetting(&self, records: &[&Record], memory_s: f64) -> Option<Box<dyn Model>> {
+        let observed = Observed::of(records, &self.positions(), Some(1.0 / memory_s))?;
         Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }
 

@@ -13,6 +13,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) struct Observed {
     /// By the records' names; joint by joint.
     runs: Vec<(String, Vec<ReferenceMotion>)>,
+    /// Natural frequency of the pull, rad/s; as fast as shows what is missing where none is given.
+    rate: Option<f64>,
     /// The same on grids: every simulation asks for them again.
     on_grids: Mutex<Vec<OnGrid>>,
 }
@@ -32,14 +34,20 @@ pub(super) struct Pulls {
 }
 
 impl Observed {
-    /// What can be followed of some records, by the joints' position channels; `None` unless each measured them all.
-    pub fn of(records: &[&Record], channels: &[String]) -> Option<Self> {
+    /// What can be followed of some records, by the joints' position channels, at a natural frequency (rad/s) of its own
+    /// where one is given; `None` unless each measured them all.
+    pub fn of(records: &[&Record], channels: &[String], rate: Option<f64>) -> Option<Self> {
         let of_record = |record: &&Record| {
             let motion = |c: &String| Some(smoothed(&record.time_s, record.output(c)?));
             Some((record.name.clone(), channels.iter().map(motion).collect::<Option<Vec<_>>>()?))
         };
         let runs = records.iter().map(of_record).collect::<Option<Vec<_>>>()?;
-        Some(Self { runs, on_grids: Mutex::default() })
+        Some(Self { runs, rate, on_grids: Mutex::default() })
+    }
+
+    /// Whether the pull is fast enough to show what is missing.
+    pub fn shows_missing(&self) -> bool {
+        self.rate.is_none()
     }
 
     /// The pulls of a record's simulation on a grid; `None` for a record that is not followed.
@@ -54,7 +62,7 @@ impl Observed {
         let pulls = Arc::new(Pulls {
             to: motions.iter().map(|m| m.on(grid, &record.time_s)).collect(),
             speed_at_samples: motions.iter().map(|m| m.speed.clone()).collect(),
-            rate: rigid_observer_rate(grid.step_s, record.mean_period_s()),
+            rate: self.rate.unwrap_or_else(|| rigid_observer_rate(grid.step_s, record.mean_period_s())),
         });
         lock().push((key, pulls.clone()));
         Some(pulls)

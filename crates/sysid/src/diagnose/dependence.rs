@@ -9,6 +9,7 @@ use super::Candidate;
 use super::missing::Missing;
 use super::policy::{CURVE_BLOCKS, CURVE_ROWS, DEPENDS, RICHER};
 use crate::data::Data;
+use crate::stats;
 use nalgebra::{DMatrix, DVector};
 use sealegs_model::internal;
 use std::ops::Range;
@@ -96,6 +97,31 @@ impl Form {
     }
 }
 
+/// What a wrong base parameter would show in a missing signal.
+#[derive(Debug, Clone)]
+pub(super) struct Nuisance {
+    /// Its change, run by run at the scored rows: by one standard deviation of what is known of the parameter, or by any
+    /// amount where nothing is known.
+    pub runs: Vec<Vec<f64>>,
+    /// Whether anything is known.
+    pub known: bool,
+}
+
+/// The weight of what is known of nuisances in normal equations, one for each that counts: the squares of a signal over its
+/// independent samples. Without it links without mass would explain every torque: the command alone is left then.
+pub(super) fn known_weights(nuisances: &[Nuisance], signal: &[f64]) -> Vec<f64> {
+    let mean = stats::mean(signal);
+    let signal: Vec<f64> = signal.iter().map(|v| v - mean).collect();
+    let squares: f64 = signal.iter().map(|v| v * v).sum();
+    let weight = squares / stats::independent(&signal).max(1.0);
+    nuisances.iter().map(|n| if n.known { weight } else { 0.0 }).collect()
+}
+
+/// Adds weights to the diagonal of normal equations, to their first columns.
+pub(super) fn add_known(weights: &[f64], a: &mut DMatrix<f64>) {
+    weights.iter().enumerate().for_each(|(k, weight)| a[(k, k)] += weight);
+}
+
 /// Hats whose ordinates are held near straight lines (Eilers and Marx 1996): where a left-out stretch alone has reached, a
 /// curve goes on as it was and does not fall to zero.
 pub(super) struct Smooth<'a> {
@@ -125,13 +151,13 @@ impl Smooth<'_> {
 
 /// The dependences of a missing signal, the one that foresees most first; empty where nothing does.
 ///
-/// `nuisances` are the derivatives of the signal by the base model's parameters, run by run at the scored rows.
+/// `nuisances` are what wrong base parameters would show in it.
 #[must_use]
-pub fn dependences(
+pub(super) fn dependences(
     data: &Data,
     observed: &Candidate,
     missing: &Missing,
-    nuisances: &[Vec<Vec<f64>>],
+    nuisances: &[Nuisance],
 ) -> Vec<Dependence> {
     let mean = |column: &[f64]| averaged(column, &missing.runs);
     let target = mean(&missing.runs.concat());
@@ -141,17 +167,17 @@ pub fn dependences(
     let mut rows = rows(data, observed, missing, 1);
     let every = step(&missing.runs);
     rows.block = chunks(&missing.runs, every).map(|r| rows.block[r.start]).collect();
-    let mut base: Vec<Vec<f64>> = nuisances.iter().map(|n| mean(&n.concat())).collect();
+    let mut base: Vec<Vec<f64>> = nuisances.iter().map(|n| mean(&n.runs.concat())).collect();
     base.push(vec![1.0; target.len()]);
-    base.retain(|c| c.len() == target.len() && c.iter().all(|v| v.is_finite()));
+    let known = known_weights(nuisances, &target);
     // The noise as the base parameters leave it, too: what the observer itself is off follows the motion.
     let quiet = mean(&missing.quiet.concat());
     let noise = if quiet.len() == target.len() {
-        left_out(&base, &quiet, &rows.block, None)
+        left_out(&base, &quiet, &rows.block, (&known_weights(nuisances, &quiet), None))
     } else {
         target.len() as f64 * missing.slow.1.powi(2)
     };
-    let alone = left_out(&base, &target, &rows.block, None);
+    let alone = left_out(&base, &target, &rows.block, (&known, None));
     // A method's own error is no white noise that a curve could not foresee: at least half of the signal counts.
     let signal = (alone - noise).max(0.5 * alone).max(f64::MIN_POSITIVE);
     let mut found: Vec<Dependence> = forms(&rows, missing.port.starts_with("sensor/"))
@@ -160,10 +186,9 @@ pub fn dependences(
         .map(|mut form| {
             form.columns.iter_mut().for_each(|c| *c = mean(c));
             let all: Vec<Vec<f64>> = base.iter().chain(&form.columns).cloned().collect();
-            let explained = ((alone - left_out(&all, &target, &rows.block, form.smooth(base.len())))
-                / signal)
-                .clamp(0.0, 1.0);
-            let curve = form.knots.as_ref().map(|knots| curve(&form, knots, &base, &target));
+            let left = left_out(&all, &target, &rows.block, (&known, form.smooth(base.len())));
+            let explained = ((alone - left) / signal).clamp(0.0, 1.0);
+            let curve = form.knots.as_ref().map(|knots| curve(&form, knots, (&base, &known), &target));
             Dependence { on: form.on, explained, coefficients: form.columns.len(), curve }
         })
         .filter(|d| d.explained > DEPENDS)
@@ -451,8 +476,14 @@ pub(super) fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     DVector::from_fn(n, |i, _| solution[i] * scale[i])
 }
 
-/// Sum of squares that is left of blocks, each foreseen by the others.
-fn left_out(columns: &[Vec<f64>], target: &[f64], block: &[usize], smooth: Option<Smooth>) -> f64 {
+/// Sum of squares that is left of blocks, each foreseen by the others; `known` are the weights of what is known of the first
+/// columns.
+fn left_out(
+    columns: &[Vec<f64>],
+    target: &[f64],
+    block: &[usize],
+    (known, smooth): (&[f64], Option<Smooth>),
+) -> f64 {
     let n = columns.len();
     let blocks = block.iter().max().map_or(0, |b| b + 1);
     let of = |k: usize| (0..target.len()).filter(move |&i| block[i] == k);
@@ -462,6 +493,7 @@ fn left_out(columns: &[Vec<f64>], target: &[f64], block: &[usize], smooth: Optio
     let mut squares = 0.0;
     for (k, part) in parts.iter().enumerate() {
         let mut rest = &a - &part.0;
+        add_known(known, &mut rest);
         if let Some(smooth) = &smooth {
             smooth.add_to(&mut rest);
         }
@@ -475,9 +507,10 @@ fn left_out(columns: &[Vec<f64>], target: &[f64], block: &[usize], smooth: Optio
 }
 
 /// The curve of a form of hats with its standard error, from all rows.
-fn curve(form: &Form, knots: &[f64], base: &[Vec<f64>], target: &[f64]) -> Curve {
+fn curve(form: &Form, knots: &[f64], (base, known): (&[Vec<f64>], &[f64]), target: &[f64]) -> Curve {
     let all: Vec<Vec<f64>> = base.iter().chain(&form.columns).cloned().collect();
     let (mut a, b) = normal(&all, target, 0..target.len());
+    add_known(known, &mut a);
     if let Some(smooth) = form.smooth(base.len()) {
         smooth.add_to(&mut a);
     }
@@ -545,11 +578,11 @@ mod tests {
         let one = vec![vec![1.0; 4000]];
         let knots = quantiles(&x, KNOTS);
         let with: Vec<Vec<f64>> = one.iter().cloned().chain(hats(&x, &knots)).collect();
-        let (alone, left) = (left_out(&one, &target, &block, None), left_out(&with, &target, &block, None));
+        let (alone, left) = (left_out(&one, &target, &block, (&[], None)), left_out(&with, &target, &block, (&[], None)));
         // |x| has the variance 1/12; the noise 0.01, and the hats cost 12 of 4000 degrees of freedom.
         assert!((left / 4000.0 - 0.01).abs() < 0.001 && alone / 4000.0 > 0.08, "{left} {alone}");
         let pure: Vec<f64> = (0..4000).map(|_| noise.normal()).collect();
-        assert!(left_out(&with, &pure, &block, None) >= 0.999 * left_out(&one, &pure, &block, None));
+        assert!(left_out(&with, &pure, &block, (&[], None)) >= 0.999 * left_out(&one, &pure, &block, (&[], None)));
     }
 
     #[test]
@@ -561,7 +594,7 @@ mod tests {
         let block: Vec<usize> = (0..1000).map(|i| i / 100).collect();
         let knots = quantiles(&x, KNOTS);
         let columns: Vec<Vec<f64>> = [x.clone()].into_iter().chain(hats(&x, &knots)).collect();
-        let left = left_out(&columns, &target, &block, Some(Smooth { first: 1, knots: &knots }));
+        let left = left_out(&columns, &target, &block, (&[], Some(Smooth { first: 1, knots: &knots })));
         assert!((left / 1000.0).sqrt() < 1e-3, "{left}");
     }
 

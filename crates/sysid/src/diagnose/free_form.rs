@@ -5,7 +5,9 @@ use super::compare::{clearly_better, excess};
 use super::dependence::Dependence;
 use super::missing::{Missing, Port};
 use super::picture::{MissingForce, missing_force};
-use super::policy::{CURVE_BEATS, CURVES, CURVES_DEAR, CURVES_FITTED, EXPLAINED, LEFT_SHARE, WORTH_NAMING};
+use super::policy::{
+    CURVE_BEATS, CURVES, CURVES_DEAR, CURVES_FITTED, DRY_MOSTLY, EXPLAINED, LEFT_SHARE, WORTH_NAMING,
+};
 use super::refine::{Models, with_nominal_base};
 use super::{Candidate, Found};
 use crate::fit::Fit;
@@ -52,7 +54,8 @@ pub(super) fn look(models: &Models, found: &mut Found, before: &[Port], after: &
     if found.chosen == 0 {
         return alone.into_iter().collect();
     }
-    if alone.as_ref().is_some_and(|law| takes(&found.tried[found.chosen], &law.with, 1.0 / CURVE_BEATS)) {
+    let beaten = |law: &FreeForm| takes(&found.tried[found.chosen], &law.with, 1.0 / CURVE_BEATS);
+    if alone.as_ref().is_some_and(|law| beaten(law) && !is_dry_friction(law, before)) {
         found.chosen = 0;
         found.tied.clear();
         found.same.clear();
@@ -60,6 +63,13 @@ pub(super) fn look(models: &Models, found: &mut Found, before: &[Port], after: &
     }
     let beside = best(models, found, found.chosen, after).filter(helps);
     beside.into_iter().chain(alone).collect()
+}
+
+/// Whether a curve over the speed is dry friction with something beside it: its sign alone foresees nearly as much.
+fn is_dry_friction(law: &FreeForm, ports: &[Port]) -> bool {
+    let Some(port) = ports.iter().find(|p| p.missing.name() == law.port) else { return false };
+    let share = |on: &str| port.depends.iter().find(|d| d.on == on).map_or(0.0, |d| d.explained);
+    law.on == "speed" && share("direction of motion") >= DRY_MOSTLY * share(law.on)
 }
 
 /// A law that a model could have, and the model in the forms that could.

@@ -1,15 +1,15 @@
 //! What is missing at each port: the force that an observer needs to keep a model on the measured motion, and what each
 //! sensor shows beyond it, with the uncertainty that the sensors' noise leaves.
 
-use super::dependence::{Dependence, averaged, dependences, step};
+use super::dependence::{Dependence, Nuisance, averaged, dependences, step};
 use super::picture::{self, MissingForce};
-use super::policy::{LITTLE_SEEN, PORT_FELT};
+use super::policy::{LITTLE_SEEN, PORT_FELT, STEPS_PER_SAMPLE};
 use super::refine::{Models, with_nominal_base};
 use super::{Candidate, with_effects};
 use crate::data::{Data, Evaluation};
 use crate::stats::{self, Noise};
 use rayon::prelude::*;
-use sealegs_model::{Model, Prediction, Record, Signal, Unit, internal};
+use sealegs_model::{Model, Parameter, Prediction, Record, Signal, Unit, internal};
 
 /// A missing signal at one port.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,15 +88,18 @@ pub(super) fn ports(data: &Data, at: &Evaluation, predictions: &[Prediction]) ->
                     run.rows().filter_map(|i| values.get(i).copied()).collect()
                 })
                 .collect();
-            let unit = if is_torque(at, port) { "N m" } else { "N" };
+            let unit = if is_torque(at, &place, port) { "N m" } else { "N" };
             Some(signal(place, port.to_owned(), unit.to_owned(), runs, 0.0))
         })
         .collect()
 }
 
-/// Whether a port's signal is a torque: at an output, and everywhere in a rotary actuator.
-pub(super) fn is_torque(at: &Evaluation, port: &str) -> bool {
-    port == "output" || at.sensors.iter().any(|s| s.channel.ends_with("torque_nm"))
+/// Whether a port's signal is a torque: at an output, everywhere in a rotary actuator, and at a robot's joint that turns.
+pub(super) fn is_torque(at: &Evaluation, place: &str, port: &str) -> bool {
+    let has = |ending: &str| at.sensors.iter().any(|s| s.channel == format!("{place}.{ending}"));
+    // An actuator of a leg may bear its joint's name.
+    let joint = has("angle_rad") && !has("rotor_angle_rad") && !has("force_1_n");
+    port == "output" || joint || at.sensors.iter().any(|s| s.channel.ends_with("torque_nm"))
 }
 
 /// What each sensor shows beyond the model that follows the motion, in its unit.
@@ -177,14 +180,15 @@ pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
     let fitted =
         models.observing(candidate, &known).filter(|c| c.fit.error() <= LITTLE_SEEN * models.data.floor);
     let Some(observed) = fitted.or_else(|| models.as_stated(candidate, &known)) else { return Vec::new() };
-    let Ok(open) = with_effects(models.coarse.as_ref(), &candidate.effects, &models.seen) else {
+    let open = models.exact.coarser(STEPS_PER_SAMPLE);
+    let Ok(open) = with_effects(open.as_ref(), &candidate.effects, &models.seen) else {
         return Vec::new();
     };
     let data = models.data;
     let all = missing(data, &observed, open.as_ref());
     // What a wrong parameter of the base model would show at each port.
     let parameters = observed.model.parameters();
-    let moved: Vec<Vec<Missing>> = observed
+    let moved: Vec<(&Parameter, Vec<Missing>)> = observed
         .fit
         .free
         .par_iter()
@@ -193,20 +197,26 @@ pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
             values[i] += STEP * parameters[i].typical;
             let predictions = data.predict(observed.model.as_ref(), &values).ok()?;
             let at = data.evaluate_prediction(&values, predictions);
-            Some(ports(data, &at, &at.predictions).into_iter().chain(sensors(data, &at)).collect())
+            let all = ports(data, &at, &at.predictions).into_iter().chain(sensors(data, &at));
+            Some((&parameters[i], all.collect()))
         })
         .collect();
     let mut looked: Vec<Port> = all
         .into_par_iter()
         .map(|missing| {
             let same = |m: &&Missing| m.place == missing.place && m.port == missing.port;
-            let column = |moved: &Vec<Missing>| -> Option<Vec<Vec<f64>>> {
+            let nuisance = |(parameter, moved): &(&Parameter, Vec<Missing>)| -> Option<Nuisance> {
                 let moved = moved.iter().find(same)?;
-                let difference =
-                    |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
-                Some(moved.runs.iter().zip(&missing.runs).map(difference).collect())
+                let known = parameter.prior_std.map(|std| std / (STEP * parameter.typical));
+                let size = known.unwrap_or(1.0);
+                let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                    a.iter().zip(b).map(|(a, b)| size * (a - b)).collect()
+                };
+                let runs: Vec<_> = moved.runs.iter().zip(&missing.runs).map(difference).collect();
+                let finite = runs.iter().flatten().all(|v| v.is_finite());
+                finite.then_some(Nuisance { runs, known: known.is_some() })
             };
-            let nuisances: Vec<Vec<Vec<f64>>> = moved.iter().filter_map(column).collect();
+            let nuisances: Vec<Nuisance> = moved.iter().filter_map(nuisance).collect();
             let depends = if missing.is_felt() {
                 dependences(data, &observed, &missing, &nuisances)
             } else {

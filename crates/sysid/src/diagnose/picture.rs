@@ -3,7 +3,7 @@
 //! Both are seen along the measured motion: the force that an observer needs with and without the effects, all other
 //! values alike. Their difference is the effects' law, whatever its form and wherever it acts.
 
-use super::dependence::{Rows, dependences, forms, normal, rows, solve};
+use super::dependence::{Nuisance, Rows, add_known, dependences, forms, known_weights, normal, rows, solve};
 use super::missing::{Missing, Port, is_torque, ports, sensors};
 use super::policy::DRAWN_ROWS;
 use super::refine::Models;
@@ -238,7 +238,7 @@ fn bins(rows: &[usize], over: &Abscissa, y: &[f64], law: Option<&[f64]>, run: &[
 fn units(data: &Data, at: &Evaluation, missing: &Missing) -> (String, (bool, bool)) {
     let input = data.runs.first().and_then(|r| r.record.inputs.first());
     let command = input.and_then(|s| Unit::of_channel(&s.channel).ok()).map_or("", Unit::symbol);
-    (command.to_owned(), (is_torque(at, "rotor"), is_torque(at, &missing.port)))
+    (command.to_owned(), (is_torque(at, &missing.place, "rotor"), is_torque(at, &missing.place, &missing.port)))
 }
 
 /// Every how many samples of a signal are taken, and those samples with their runs.
@@ -255,20 +255,20 @@ pub(super) fn of_port(
     data: &Data,
     observed: &Candidate,
     missing: &Missing,
-    nuisances: &[Vec<Vec<f64>>],
+    nuisances: &[Nuisance],
     on: &str,
 ) -> Option<MissingForce> {
     let at = &observed.fit.evaluation;
     let (every, mut y, run) = thinned(&missing.runs);
     let rows = rows(data, observed, missing, every);
-    let mut columns: Vec<Vec<f64>> = nuisances.iter().map(|n| thinned(n).1).collect();
-    columns.retain(|c| c.len() == y.len() && c.iter().all(|v| v.is_finite()));
+    let mut columns: Vec<Vec<f64>> = nuisances.iter().map(|n| thinned(&n.runs).1).collect();
     let taken_off = columns.len();
     columns.push(vec![1.0; y.len()]);
     let form = forms(&rows, missing.port.starts_with("sensor/")).into_iter().find(|f| f.on == on)?;
     let smooth = columns.len();
     columns.extend(form.columns.iter().cloned());
     let (mut a, b) = normal(&columns, &y, 0..y.len());
+    add_known(&known_weights(nuisances, &y), &mut a);
     if let Some(smooth) = form.smooth(smooth) {
         smooth.add_to(&mut a);
     }

@@ -46,6 +46,9 @@ policy! {
     /// How many times less than the best set of known effects a curve must leave on left-out stretches for that set not to
     /// be named: half the error. Laws of one family (a step, a root, a line over the speed) do not differ by less.
     CURVE_BEATS = 4.0;
+    /// Share of what a curve over the speed foresees that the direction of motion must foresee by itself for that curve to
+    /// be dry friction: in a sinusoidal motion it foresees 0.914 of a force that grows with the root of the speed.
+    DRY_MOSTLY = 0.95;
     /// Curves that are fitted under the observer: three dependences of each of two ports.
     CURVES = 6.0;
     /// The same where a simulation is dear.
@@ -104,6 +107,9 @@ policy! {
     STEPS_DEAR = 5.0;
     /// Most steps with the model itself where derivatives are dear.
     DEAR_STEPS = 8.0;
+    /// Windows of a run, where an error in open loop grows or adds up: a run has then about as many independent samples, and
+    /// errors within one stay small where effects of a percent matter.
+    WINDOWS = 40.0;
     /// Integration steps per sampling period in the search; what it finds is fitted again with the model itself.
     STEPS_PER_SAMPLE = 4.0;
     /// The same in screening.

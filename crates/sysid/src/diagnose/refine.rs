@@ -7,7 +7,7 @@
 use super::compare::{excess, is_seen, mean_square_difference};
 use super::policy::{
     AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, RACE_STEPS, RACED, STARTS, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE,
-    TRACE, WEAKER,
+    TRACE, WEAKER, WINDOWS,
 };
 use super::screen::{Known, is_amplitude, screen};
 use super::{Candidate, count, values_by_name, with_effects};
@@ -45,22 +45,34 @@ pub struct Models<'a> {
     pub dear: bool,
 }
 
+fn records_of<'a>(data: &Data<'a>) -> Vec<&'a Record> {
+    data.runs.iter().map(|r| r.record).collect()
+}
+
+/// The model as a search simulates it where whole runs in open loop say little: an error is forgotten after a part of the
+/// mean duration of a run.
+pub(super) fn in_windows(data: &Data, model: &dyn Model) -> Option<Box<dyn Model>> {
+    let records = records_of(data);
+    let duration = |r: &&Record| r.mean_period_s() * r.len() as f64;
+    let mean_s = records.iter().map(duration).sum::<f64>() / records.len().max(1) as f64;
+    model.forgetting(&records, mean_s / WINDOWS)
+}
+
 impl<'a> Models<'a> {
     /// The forms of a model for some runs.
     #[must_use]
     pub fn new(data: &'a Data<'a>, exact: &'a dyn Model) -> Self {
         let coarse = exact.coarser(STEPS_PER_SAMPLE);
-        let records: Vec<&Record> = data.runs.iter().map(|r| r.record).collect();
-        let observed = coarse.observing(&records);
+        let observed = coarse.observing(&records_of(data));
+        let coarse = in_windows(data, coarse.as_ref()).unwrap_or(coarse);
         let dear = fit::has_many_parameters(exact);
         Self { data, exact, coarse, observed, seen: Excitation::default(), dear }
     }
 
     /// The search's forms with the model's own steps from now on.
     pub fn refine(&mut self) {
-        let records: Vec<&Record> = self.data.runs.iter().map(|r| r.record).collect();
-        self.coarse = self.exact.clone_box();
-        self.observed = self.exact.observing(&records);
+        self.coarse = in_windows(self.data, self.exact).unwrap_or_else(|| self.exact.clone_box());
+        self.observed = self.exact.observing(&records_of(self.data));
     }
 
     /// Mean squared difference of a set's predictions with the search's steps and with the model's own, in squared noise
@@ -70,7 +82,8 @@ impl<'a> Models<'a> {
         if self.dear {
             return 0.0;
         }
-        let exactly = with_effects(self.exact, &candidate.effects, &self.seen)
+        let exact = in_windows(self.data, self.exact);
+        let exactly = with_effects(exact.as_deref().unwrap_or(self.exact), &candidate.effects, &self.seen)
             .and_then(|model| self.data.evaluate(model.as_ref(), &candidate.fit.values));
         exactly.map_or(0.0, |exactly| mean_square_difference(&exactly, &candidate.fit.evaluation))
     }
