@@ -27,7 +27,18 @@ pub fn of_source(
 ) -> Result<RobotModel> {
     let stated = campaign.robot.clone().unwrap_or_default();
     let is_model_file = |name: &str| name.ends_with(".toml");
+    let without_drive = |urdf: &str| {
+        campaign.bad_model(format!("'{urdf}' is a URDF: 'actuator' must name the drive of its joints"))
+    };
     let file = match model {
+        // A URDF alone has the drives that the campaign names.
+        ModelSource::File(path) if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf")) => {
+            let urdf = path.canonicalize().unwrap_or_else(|_| path.clone()).display().to_string();
+            if campaign.actuator.is_empty() {
+                return Err(without_drive(&urdf).into());
+            }
+            RobotFile::of_urdf(&urdf, &campaign.actuator, campaign.folder())
+        }
         ModelSource::File(path) => RobotFile::load(path)?,
         ModelSource::Actuator(_) | ModelSource::Scenario(_) => {
             return Err(Error::WrongModel {
@@ -39,8 +50,7 @@ pub fn of_source(
         ModelSource::Campaign if is_model_file(&stated) => RobotFile::load(&campaign.folder().join(&stated))
             .map_err(|e| campaign.bad_model(e.to_string()))?,
         ModelSource::Campaign if campaign.actuator.is_empty() => {
-            let problem = format!("'{stated}' is a URDF: 'actuator' must name the drive of its joints");
-            return Err(campaign.bad_model(problem).into());
+            return Err(without_drive(&stated).into());
         }
         ModelSource::Campaign => RobotFile::of_urdf(&stated, &campaign.actuator, campaign.folder()),
     };

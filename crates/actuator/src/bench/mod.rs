@@ -527,15 +527,6 @@ impl Model for BenchModel {
         Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }
 
-    /// Of a drive without a spring that nothing but its load holds: its position adds up every error of force.
-    fn forgetting(&self, records: &[&Record], memory_s: f64) -> Option<Box<dyn Model>> {
-        if !self.spec.is_rigid() || self.spec.servo.is_some() {
-            return None;
-        }
-        let observed = observed::Observed::of(records, true)?.slowed(1.0 / memory_s);
-        Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
-    }
-
     fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {
         let mut model = self.clone();
         model.own.push(Arc::new(OwnEffect::of_law(law).ok()?));

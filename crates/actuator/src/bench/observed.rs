@@ -11,9 +11,6 @@ use std::sync::{Arc, Mutex};
 #[derive(Debug)]
 pub(super) struct Observed {
     runs: Vec<(String, Vec<(String, ReferenceMotion)>)>,
-    /// Natural frequency of the pull on a drive without a spring, rad/s; as fast as shows what is missing where none is
-    /// given.
-    rate: Option<f64>,
     /// The same on the grids of simulations, by record, channel and grid: every simulation asks for them again.
     on_grids: Mutex<Vec<OnGrid>>,
 }
@@ -49,12 +46,7 @@ impl Observed {
                 Some((record.name.clone(), motions.collect()))
             })
             .collect::<Option<Vec<_>>>()?;
-        Some(Self { runs, rate: None, on_grids: Mutex::default() })
-    }
-
-    /// The same with a pull on a drive without a spring of this natural frequency, rad/s.
-    pub fn slowed(self, rate: f64) -> Self {
-        Self { rate: Some(rate), ..self }
+        Some(Self { runs, on_grids: Mutex::default() })
     }
 
     /// A channel's motion on a simulation's grid.
@@ -111,8 +103,7 @@ impl Observed {
         let mass = c.total_mass();
         if let Some(load) = plant.rigid {
             let (channel, scale) = self.output(record, plant, model.bench_of(&record.name).arm_m())?;
-            let fast = || rigid_observer_rate(grid.step_s, record.mean_period_s());
-            let rate = self.rate.unwrap_or_else(fast);
+            let rate = rigid_observer_rate(grid.step_s, record.mean_period_s());
             let pull = Pull::on(self.on_grid(record, channel, grid)?, scale, mass + load.mass_kg(), rate);
             return Some(Observer { rotor: Some(pull), output: None });
         }
@@ -137,8 +128,7 @@ impl Observed {
     /// behind its reference; the measured force in the place of the spring's, where there is one. At the spring: the
     /// measured force beyond that of the modelled spring at the measured deflection. At the output: the pull on it.
     pub fn missing(&self, record: &Record, plant: &Plant, trace: &Trace, arm_m: f64) -> Vec<Signal> {
-        // A slow pull shows a part of it only.
-        if trace.rotor_pull.is_empty() || self.rate.is_some() {
+        if trace.rotor_pull.is_empty() {
             return Vec::new();
         }
         let (grid, time_s) = (&trace.grid, &record.time_s);

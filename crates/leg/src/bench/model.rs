@@ -27,6 +27,9 @@ const STEP_S: f64 = 5e-4;
 /// faster than the samples show, and the integrator is of second order.
 const WITHOUT_SPRINGS: f64 = 0.25;
 
+/// A search takes no longer steps than that, s, or than a sample: 12 rad/s go 0.05 rad in it.
+const LONGEST_SEARCH_STEP_S: f64 = 4e-3;
+
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 
@@ -425,7 +428,9 @@ impl Model for RobotModel {
         }
         let machine = self.machine(values)?;
         let period_s = record.mean_period_s();
-        let fewer = self.steps_per_sample.map_or(0.0, |n| period_s / (n * WITHOUT_SPRINGS).max(1.0));
+        let fewer = self.steps_per_sample.map_or(0.0, |n| {
+            (period_s / (n * WITHOUT_SPRINGS).max(1.0)).max(LONGEST_SEARCH_STEP_S.min(2.0 * period_s))
+        });
         let grid = Grid::covering(&record.time_s, self.step_s.max(fewer));
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);

@@ -2,7 +2,7 @@
 //! effect deserves its name.
 
 use super::compare::{clearly_better, excess};
-use super::dependence::Dependence;
+use super::dependence::{Dependence, MOST_LOST};
 use super::missing::{Missing, Port};
 use super::picture::{MissingForce, missing_force};
 use super::policy::{
@@ -12,7 +12,7 @@ use super::refine::{Models, with_nominal_base};
 use super::{Candidate, Found};
 use crate::fit::Fit;
 use rayon::prelude::*;
-use sealegs_model::{Curve, Factor, Law, Model, Over};
+use sealegs_model::{Curve, Factor, Law, Model, Over, internal};
 
 /// A fitted curve.
 #[derive(Debug, Clone)]
@@ -131,6 +131,7 @@ fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option
     let fitted: Vec<(&Tried, Candidate)> = seen
         .par_iter()
         .filter_map(|(t, fit)| Some((*t, t.models(models).fitted(near, &t.set(near), &known, Some(fit))?)))
+        .filter(|(t, with)| t.law.acts_on != "drive" || !takes_command_away(&t.law, near, with))
         .collect();
     let (tried, with) = fitted.into_iter().reduce(|a, b| if b.1.fit.cost < a.1.fit.cost { b } else { a })?;
     let models = tried.models(models);
@@ -138,6 +139,18 @@ fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option
     let force = missing_force(&models, &with, ports);
     let law = refitted(tried.law.clone(), &with);
     Some(FreeForm { law, port: tried.port.clone(), on: tried.on, beside, with, force })
+}
+
+/// Whether the motor drives with less than half of its force beside a curve at the drive: such a curve takes the command
+/// away, and a body without mass explains the rest.
+fn takes_command_away(law: &Law, near: &Candidate, with: &Candidate) -> bool {
+    let place = law.place.as_deref().unwrap_or("");
+    let force = |c: &Candidate| -> f64 {
+        let runs = c.fit.evaluation.predictions.iter();
+        let of_run = runs.filter_map(|p| p.internal_at(place, internal::MOTOR_FORCE));
+        of_run.flatten().map(|f| f * f).sum::<f64>().sqrt()
+    };
+    force(with) < MOST_LOST * force(near)
 }
 
 /// The law of a dependence: a curve at its port, or at the drive where what the rotor lacks follows the command. `None` for a

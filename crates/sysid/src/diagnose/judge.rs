@@ -5,6 +5,7 @@ use super::policy::{
     ADEQUATE, EXPLAINED, HOLDS_UP, LEFT_SHARE, LITTLE_LEFT, MOST_OF_IT, NAMED_SHARE, WITHIN_UNCERTAINTY,
     WORTH_NAMING,
 };
+use super::refine::in_windows;
 use super::search::all_but;
 use super::{Candidate, Found};
 use crate::Error;
@@ -116,8 +117,8 @@ pub struct Verdict {
     pub ranking: Vec<Judged>,
 }
 
-/// Judges what was found on the holdout runs, once.
-pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
+/// Judges what was found on the fit runs on the holdout runs, once.
+pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     let floor = holdout.floor;
     let held_out = |i: usize| found.tried[i].held_out(holdout);
     let base = &found.tried[0];
@@ -139,7 +140,8 @@ pub(super) fn judge(holdout: &Data, found: &Found) -> Result<Verdict, Error> {
     } else {
         let (helped, all) = runs_helped(&base_holdout, &chosen_holdout);
         let helps = share <= 1.0 - MOST_OF_IT || (share <= 1.0 - WORTH_NAMING && helped == all);
-        let partly = helps && holds_up(share, base, chosen, floor);
+        let in_windows = || holds_up_in_windows(data, holdout, base, chosen).unwrap_or(false);
+        let partly = helps && (holds_up(share, base, chosen, floor) || in_windows());
         if partly { VerdictKind::PartlyExplained } else { VerdictKind::Unexplained }
     };
     let says = matches!(kind, VerdictKind::MissingEffect | VerdictKind::PartlyExplained);
@@ -275,6 +277,20 @@ fn holds_up(share: f64, base: &Candidate, with: &Candidate, floor: f64) -> bool 
     with.fit.error() <= EXPLAINED * floor
         || share <= LITTLE_LEFT
         || share * left(base) <= HOLDS_UP * left(with)
+}
+
+/// The same in windows (see [`in_windows`]): where open loop amplifies errors, what is left there grows with every run that
+/// the values were not fitted to, whatever is right about the effects. `None` where the model has none.
+fn holds_up_in_windows(data: &Data, holdout: &Data, base: &Candidate, with: &Candidate) -> Option<bool> {
+    let share = |data: &Data| {
+        let left = |c: &Candidate| {
+            let windows = in_windows(data, c.model.as_ref())?;
+            let at = data.judge(windows.as_ref(), &c.fit.values, c.fit.sensors()).ok()?;
+            Some(excess(at.rms, data.floor))
+        };
+        Some(left(with)? / left(base)?.max(f64::MIN_POSITIVE))
+    };
+    Some(share(holdout)? <= HOLDS_UP * share(data)?)
 }
 
 /// The mean squared error, in squared noise units, that the uncertainty of a fit's values makes one expect on held-out

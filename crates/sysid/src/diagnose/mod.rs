@@ -46,6 +46,7 @@ pub use validation::Validation;
 use crate::data::Data;
 use crate::fit::{self, Difference, Fit};
 use crate::{Campaign, Error, Role};
+use rayon::prelude::*;
 use sealegs_model::{Excitation, Model};
 
 /// What a diagnosis is doing, for a progress bar.
@@ -153,10 +154,11 @@ pub fn diagnose(
         _ if chosen.effects.is_empty() => None,
         _ => missing_force(&models, chosen, &ports),
     };
+    found.tried = found.tried.into_par_iter().map(|c| models.in_open_loop(c)).collect();
     let seen = models.seen;
     progress(Progress::Judging);
     let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
-    let verdict = judge::judge(&holdout, &found)?;
+    let verdict = judge::judge(&data, &holdout, &found)?;
     let (a, b) = (data.work(), holdout.work());
     Ok(Diagnosis {
         verdict,

@@ -238,7 +238,10 @@ fn bins(rows: &[usize], over: &Abscissa, y: &[f64], law: Option<&[f64]>, run: &[
 fn units(data: &Data, at: &Evaluation, missing: &Missing) -> (String, (bool, bool)) {
     let input = data.runs.first().and_then(|r| r.record.inputs.first());
     let command = input.and_then(|s| Unit::of_channel(&s.channel).ok()).map_or("", Unit::symbol);
-    (command.to_owned(), (is_torque(at, &missing.place, "rotor"), is_torque(at, &missing.place, &missing.port)))
+    (
+        command.to_owned(),
+        (is_torque(at, &missing.place, "rotor"), is_torque(at, &missing.place, &missing.port)),
+    )
 }
 
 /// Every how many samples of a signal are taken, and those samples with their runs.

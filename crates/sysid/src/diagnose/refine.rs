@@ -340,6 +340,23 @@ impl<'a> Models<'a> {
         polish().unwrap_or_else(|_| candidate.clone())
     }
 
+    /// A candidate of the search with what it leaves in open loop, where it was fitted in windows: that is what anybody is
+    /// told.
+    #[must_use]
+    pub(super) fn in_open_loop(&self, mut candidate: Candidate) -> Candidate {
+        if candidate.exact || in_windows(self.data, self.exact).is_none() {
+            return candidate;
+        }
+        if let Ok(open) = with_effects(self.exact, &candidate.effects, &self.seen) {
+            candidate.model = open;
+        }
+        let (model, fit) = (candidate.model.as_ref(), &candidate.fit);
+        if let Ok(evaluation) = self.data.judge(model, &fit.values, fit.sensors()) {
+            candidate.fit.evaluation = evaluation;
+        }
+        candidate
+    }
+
     /// Whether nothing is left to explain, or a trace of what the base model leaves.
     #[must_use]
     pub fn is_settled(&self, candidate: &Candidate, base: &Candidate) -> bool {
