@@ -3,6 +3,8 @@
 use super::confidence::Confidence;
 use super::law::LawSaid;
 use super::sentence::sentence;
+use super::splits::Splits;
+use super::units::Units;
 use schemars::JsonSchema;
 use sealegs_model::Unit;
 use sealegs_sysid::diagnose::{Candidate, Diagnosis, Judged, MissingForce, OpenChoice, Port, VerdictKind};
@@ -51,6 +53,12 @@ pub struct Outcome {
     /// A curve that takes what no known effect takes, where something is left and one helps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<LawSaid>,
+    /// What became of each unit, where the campaign has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
+    /// How the choice changes when fit runs are left out, where there are three or more and something was chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub splits: Option<Splits>,
     /// Sets by their prediction of left-out stretches, best first.
     pub ranking: Vec<Ranked>,
     /// Which experiment would tell more.
@@ -328,6 +336,9 @@ impl ParameterValue {
 pub struct SensorValue {
     /// The channel.
     pub channel: String,
+    /// The unit whose sensor it is, where the campaign has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of_unit: Option<String>,
     /// Measured per true.
     pub gain: f64,
     /// Its standard error.
@@ -391,6 +402,7 @@ pub fn sensors(fit: &Fit) -> Vec<SensorValue> {
         .iter()
         .map(|s| SensorValue {
             channel: s.channel.clone(),
+            of_unit: s.unit.clone(),
             gain: finite(s.gain),
             gain_std: finite(s.gain_std),
             bias: finite(s.bias),
@@ -486,6 +498,8 @@ impl Outcome {
                     }
                 })
                 .collect(),
+            units: Units::of_diagnosis(campaign, diagnosis),
+            splits: Splits::of(campaign, diagnosis),
             next_experiment,
             sentence: String::new(),
             confidence: Confidence::default(),
