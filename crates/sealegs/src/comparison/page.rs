@@ -27,7 +27,7 @@ pub fn of(compared: &Compared, summary: &Summary, command: &str) -> String {
     screen(&mut page, compared, summary, command);
     crate::sanity::section(&mut page, &compared.sanity);
     if let Some(units) = &summary.units {
-        units.section(&mut page, "as given", "refitted");
+        units.section(&mut page, "as given", compared.fit.as_ref().map(|_| "refitted"));
     }
     page.section("Where the model fails");
     let models = fails::Models { before: AS_GIVEN, after: REFITTED };

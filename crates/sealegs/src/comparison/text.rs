@@ -65,7 +65,7 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
         }
     }
     if let Some(units) = &summary.units {
-        out.push_str(&units.text("as given", "refitted"));
+        out.push_str(&units.text("as given", compared.fit.as_ref().map(|_| "refitted")));
     }
     if !summary.missing_signals.is_empty() {
         let _ = writeln!(out, "\nMissing at each port, rms            missing      noise  depends on");

@@ -177,7 +177,7 @@ impl Addition {
         let _ = writeln!(o, "\n  parameters");
         out.push_str(&text::parameter_lines(&parameters(&added.after.fit)));
         if let Some(units) = &self.summary.units {
-            out.push_str(&units.text("before", "after"));
+            out.push_str(&units.text("before", Some("after")));
         }
         out
     }

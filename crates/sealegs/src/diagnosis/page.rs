@@ -25,7 +25,7 @@ pub fn of(story: &Story) -> String {
     headline::screen(&mut page, outcome, &story.command);
     crate::sanity::section(&mut page, &outcome.sanity);
     if let Some(units) = &outcome.units {
-        units.section(&mut page, "before", "after");
+        units.section(&mut page, "before", outcome.after.as_ref().map(|_| "after"));
     }
     page.section("Where the model fails");
     let models = fails::Models { before: figures::BEFORE, after: figures::AFTER };

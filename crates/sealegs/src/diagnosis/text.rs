@@ -76,7 +76,7 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
         );
     }
     if let Some(units) = &outcome.units {
-        o.push_str(&units.text("base model", "with it"));
+        o.push_str(&units.text("base model", outcome.after.as_ref().map(|_| "with it")));
     }
     let side = outcome.after.as_ref().unwrap_or(&outcome.base);
     let _ = writeln!(

@@ -82,7 +82,9 @@ enum Asked {
     Effects,
     /// Whether each unit needs none.
     Nothing,
-    /// Not at all.
+    /// Not at all: no effect explains what the units lack.
+    Unexplained,
+    /// Not at all: nothing was searched.
     No,
 }
 
@@ -93,7 +95,7 @@ impl Units {
         let asked = match verdict.kind {
             VerdictKind::Adequate => Asked::Nothing,
             VerdictKind::MissingEffect | VerdictKind::PartlyExplained => Asked::Effects,
-            VerdictKind::Unexplained => Asked::No,
+            VerdictKind::Unexplained => Asked::Unexplained,
         };
         let holdout = Some((&verdict.base_holdout, &verdict.after_holdout));
         let fit = &diagnosis.found.tried[verdict.after.index].fit;
@@ -174,6 +176,11 @@ impl Units {
 
     /// For which units the verdict holds, in a sentence.
     fn verdict(&self, asked: Asked) -> Option<String> {
+        if asked == Asked::Unexplained {
+            return Some(
+                "No effect that all units share explains them; diagnosed alone, each may show one of its own.".to_owned(),
+            );
+        }
         let not = self.names(Some(false));
         let silent: Vec<&str> =
             self.each.iter().filter(|u| u.holds.is_none()).map(|u| u.unit.as_str()).collect();
@@ -218,22 +225,18 @@ impl Units {
         (self.holds == Some(false)).then(|| self.sentences.first().cloned()).flatten()
     }
 
-    /// The lines of a terminal; `before` and `after` head the columns.
-    pub(crate) fn text(&self, before: &str, after: &str) -> String {
+    /// The lines of a terminal; `before` and `after` head the columns, the first alone where nothing was added.
+    pub(crate) fn text(&self, before: &str, after: Option<&str>) -> String {
         let widest = self.each.iter().map(|u| u.unit.len()).max().unwrap_or(0).max(5);
-        let mut out =
-            format!("\nUnits, held-out error in noise units\n  {:<widest$}  {before:>10} {after:>10}", "");
-        out.push_str("       taken\n");
+        let mut out = format!("\nUnits, held-out error in noise units\n  {:<widest$}  {before:>10}", "");
+        out.extend(after.map(|after| format!(" {after:>10}  {:>10}", "taken")));
+        out.push('\n');
         for unit in &self.each {
-            let error = |e: Option<f64>| e.map_or("-".to_owned(), |e| figures(e, 4));
-            let _ = writeln!(
-                out,
-                "  {:<widest$}  {:>10} {:>10}  {:>10}",
-                unit.unit,
-                error(unit.holdout_error_before),
-                error(unit.holdout_error_after),
-                unit.taken()
+            let _ = write!(out, "  {:<widest$}  {:>10}", unit.unit, said(unit.holdout_error_before));
+            out.extend(
+                after.map(|_| format!(" {:>10}  {:>10}", said(unit.holdout_error_after), unit.taken())),
             );
+            out.push('\n');
         }
         for sentence in &self.sentences {
             let _ = writeln!(out, "  {sentence}");
@@ -241,25 +244,22 @@ impl Units {
         out
     }
 
-    /// The section of a report.
-    pub(crate) fn section(&self, page: &mut Report, before: &str, after: &str) {
+    /// The section of a report; `before` and `after` as for [`Units::text`].
+    pub(crate) fn section(&self, page: &mut Report, before: &str, after: Option<&str>) {
         page.section("Units");
         for sentence in &self.sentences {
             page.paragraph(sentence);
         }
-        let mut table = Table::new()
-            .words("unit")
-            .numbers(before, "noise units")
-            .numbers(after, "noise units")
-            .numbers("taken", "");
+        let mut table = Table::new().words("unit").numbers(before, "noise units");
+        if let Some(after) = after {
+            table = table.numbers(after, "noise units").numbers("taken", "");
+        }
         for unit in &self.each {
-            let error = |e: Option<f64>| e.map_or("-".to_owned(), |e| figures(e, 4));
-            table.row([
-                unit.unit.clone(),
-                error(unit.holdout_error_before),
-                error(unit.holdout_error_after),
-                unit.taken(),
-            ]);
+            let mut cells = vec![unit.unit.clone(), said(unit.holdout_error_before)];
+            if after.is_some() {
+                cells.extend([said(unit.holdout_error_after), unit.taken()]);
+            }
+            table.row(cells);
         }
         page.table(
             &table,
@@ -267,6 +267,11 @@ impl Units {
              taken. Every unit has its own values of the model's parameters; the effects are shared.",
         );
     }
+}
+
+/// An error as printed.
+fn said(error: Option<f64>) -> String {
+    error.map_or("-".to_owned(), |e| figures(e, 4))
 }
 
 impl UnitSaid {
@@ -277,7 +282,7 @@ impl UnitSaid {
             (excess(error.before) > 0.0 && missing).then(|| 1.0 - excess(error.after) / excess(error.before));
         let explained = error.after <= EXPLAINED * floor;
         let holds = match asked {
-            Asked::No => None,
+            Asked::No | Asked::Unexplained => None,
             Asked::Nothing => Some(explained),
             // Where nothing was missing, an effect may only do harm.
             Asked::Effects if !missing => (!explained).then_some(false),
@@ -307,20 +312,20 @@ impl UnitSaid {
 mod tests {
     use super::*;
 
-    fn said(before: f64, after: f64, asked: Asked) -> UnitSaid {
+    fn unit(before: f64, after: f64, asked: Asked) -> UnitSaid {
         UnitSaid::of(&UnitError { unit: "left".to_owned(), before, after }, 1.0, asked)
     }
 
     #[test]
     fn a_verdict_holds_for_a_unit_whose_error_it_takes() {
-        assert_eq!(said(40.0, 1.02, Asked::Effects).holds, Some(true));
-        assert_eq!(said(40.0, 12.0, Asked::Effects).holds, Some(true));
-        assert_eq!(said(40.0, 35.0, Asked::Effects).holds, Some(false));
+        assert_eq!(unit(40.0, 1.02, Asked::Effects).holds, Some(true));
+        assert_eq!(unit(40.0, 12.0, Asked::Effects).holds, Some(true));
+        assert_eq!(unit(40.0, 35.0, Asked::Effects).holds, Some(false));
         // Nothing was missing: what is no better says nothing, what is worse speaks against it.
-        assert_eq!(said(1.03, 1.02, Asked::Effects).holds, None);
-        assert_eq!(said(1.03, 4.0, Asked::Effects).holds, Some(false));
-        assert_eq!(said(1.03, 1.03, Asked::Nothing).holds, Some(true));
-        assert_eq!(said(40.0, 40.0, Asked::No).holds, None);
-        assert_eq!(said(40.0, 50.0, Asked::Effects).taken(), "nothing");
+        assert_eq!(unit(1.03, 1.02, Asked::Effects).holds, None);
+        assert_eq!(unit(1.03, 4.0, Asked::Effects).holds, Some(false));
+        assert_eq!(unit(1.03, 1.03, Asked::Nothing).holds, Some(true));
+        assert_eq!(unit(40.0, 40.0, Asked::No).holds, None);
+        assert_eq!(unit(40.0, 50.0, Asked::Effects).taken(), "nothing");
     }
 }
