@@ -89,11 +89,7 @@ fn decode(bytes: &[u8]) -> Result<Log, String> {
         match header.kind {
             MessageKind::ArrowMsg => recording.message(payload)?,
             MessageKind::End => {
-                if rest.len() >= StreamFooter::ENCODED_SIZE_BYTES
-                    && rest[4..].starts_with(&StreamFooter::RRD_IDENTIFIER)
-                {
-                    rest = &rest[StreamFooter::ENCODED_SIZE_BYTES..];
-                }
+                rest = behind_footer(rest);
                 if !rest.starts_with(MAGIC) {
                     break;
                 }
@@ -114,6 +110,15 @@ fn decode(bytes: &[u8]) -> Result<Log, String> {
         ));
     }
     Ok(log)
+}
+
+/// What stands behind a stream's footer, if there is one: a place in the file and its checksum, then what names it.
+fn behind_footer(rest: &[u8]) -> &[u8] {
+    const NAMED_AT: usize = StreamFooter::ENCODED_SIZE_BYTES - 8;
+    match rest.split_at_checked(StreamFooter::ENCODED_SIZE_BYTES) {
+        Some((footer, after)) if footer[NAMED_AT..].starts_with(&StreamFooter::RRD_IDENTIFIER) => after,
+        _ => rest,
+    }
 }
 
 /// Takes the header of a stream.
@@ -377,4 +382,104 @@ fn unpacked(packed: &Packed) -> Result<Option<Chunk>, String> {
         return Ok(None);
     }
     Chunk::from_chunk_record_batch(&batch).map(Some).map_err(|e| format!("a chunk cannot be read: {e}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use re_chunk::{ChunkId, TimeColumn};
+    use re_log_encoding::{Encoder, EncodingOptions};
+    use re_log_types::{LogMsg, StoreId, StoreKind};
+    use re_sdk_types::archetypes::Scalars;
+
+    /// A recording with an entity of two scalars in each row, on these timelines.
+    fn recording(entity: &str, timelines: Vec<TimeColumn>) -> Vec<u8> {
+        let rows = timelines[0].num_rows();
+        let values: Vec<f64> = (0..2 * rows).map(|i| i as f64).collect();
+        let columns = Scalars::new(values).columns(std::iter::repeat_n(2, rows)).unwrap().collect();
+        let timelines = timelines.into_iter().map(|t| (*t.timeline().name(), t)).collect();
+        let chunk = Chunk::from_auto_row_ids(ChunkId::new(), entity.into(), timelines, columns).unwrap();
+        let store = StoreId::random(StoreKind::Recording, "test");
+        let mut bytes = Vec::new();
+        let options = EncodingOptions::PROTOBUF_COMPRESSED;
+        let version = re_build_info::CrateVersion::LOCAL;
+        let mut encoder = Encoder::new_eager(version, options, &mut bytes).unwrap();
+        encoder.append(&LogMsg::ArrowMsg(store, chunk.to_arrow_msg().unwrap())).unwrap();
+        encoder.finish().unwrap();
+        drop(encoder);
+        bytes
+    }
+
+    fn names(log: &Log) -> Vec<&str> {
+        log.tables.iter().flat_map(|t| &t.columns).map(|c| c.name.as_str()).collect()
+    }
+
+    #[test]
+    fn stamps_of_the_rig_come_before_the_logger_s() {
+        let start = 1_700_000_000 * NANOSECONDS + 250_000_000;
+        let stamps: Vec<i64> = (0..3).map(|i| start + i * 1_000_000).collect();
+        let bytes = recording(
+            "/knee/force",
+            vec![
+                TimeColumn::new_timestamp_nanos_since_epoch(LOG_TIME, stamps.iter().map(|t| t + 7_000_000)),
+                TimeColumn::new_sequence("frame", 0..3),
+                TimeColumn::new_timestamp_nanos_since_epoch("rig", stamps),
+            ],
+        );
+        let log = decode(&bytes).unwrap();
+        assert_eq!(names(&log), ["rig", "knee/force[0]", "knee/force[1]"]);
+        let time = &log.tables[0].columns[0];
+        assert_eq!((time.origin, time.values.as_slice()), (1_700_000_000, &[0.25, 0.251, 0.252][..]));
+        assert_eq!(log.tables[0].columns[2].values, [1.0, 3.0, 5.0]);
+        assert_eq!(log.tables[0].clock, Some(0));
+        assert!(log.notes.is_empty(), "{:?}", log.notes);
+    }
+
+    #[test]
+    fn a_timeline_that_counts_is_no_clock_and_says_so() {
+        // Out of order, and one row twice: the later one holds.
+        let bytes = recording("knee", vec![TimeColumn::new_sequence("frame", [2, 0, 1, 1])]);
+        let log = decode(&bytes).unwrap();
+        assert_eq!(names(&log), ["frame", "knee[0]", "knee[1]"]);
+        assert_eq!(log.tables[0].columns[0].values, [0.0, 1.0, 2.0]);
+        assert_eq!(log.tables[0].columns[1].values, [2.0, 6.0, 0.0]);
+        assert_eq!(log.tables[0].clock, None);
+        let notes = log.notes.join("; ");
+        assert!(notes.contains("'frame' counts") && notes.contains("the last holds"), "{notes}");
+    }
+
+    #[test]
+    fn recordings_one_behind_the_other_are_one_log() {
+        let times = || vec![TimeColumn::new_duration_nanos("t", [0, 1_000_000])];
+        let log = decode(&[recording("a", times()), recording("b", times())].concat()).unwrap();
+        assert_eq!(names(&log), ["t", "a[0]", "a[1]", "b[0]", "b[1]"]);
+    }
+
+    #[test]
+    fn what_a_chunk_claims_of_its_size_is_not_believed() {
+        let bytes = recording("a", vec![TimeColumn::new_duration_nanos("t", [0, 1_000_000])]);
+        let header = StreamHeader::ENCODED_SIZE_BYTES;
+        let message = &bytes[header + MessageHeader::ENCODED_SIZE_BYTES..];
+        let length =
+            MessageHeader::from_rrd_bytes(&bytes[header..][..MessageHeader::ENCODED_SIZE_BYTES]).unwrap().len;
+        let packed = Packed::from_rrd_bytes(&message[..length as usize]).unwrap();
+        assert!(unpacked(&packed).is_ok());
+        for claimed in [1 << 30, u64::MAX] {
+            let error =
+                unpacked(&Packed { uncompressed_size: claimed, ..packed.clone() }).map(|_| ()).unwrap_err();
+            assert!(error.contains("is longer than"), "{error}");
+        }
+        // The same of a message, and of Arrow's own parts.
+        let mut long = bytes.clone();
+        long[header + 8..header + 16].copy_from_slice(&u64::MAX.to_le_bytes());
+        assert!(decode(&long).unwrap_err().contains("ends within a message"));
+        let size = packed.uncompressed_size as usize;
+        let plain = lz4_flex::block::decompress(&packed.payload, size).unwrap();
+        for at in (0..plain.len()).step_by(4) {
+            let mut damaged = plain.clone();
+            damaged[at..(at + 4).min(size)].fill(0x7f);
+            let packed = Packed { payload: lz4_flex::block::compress(&damaged).into(), ..packed.clone() };
+            let _ = fenced(|| unpacked(&packed));
+        }
+    }
 }

@@ -14,6 +14,7 @@ pub mod progress;
 pub mod provenance;
 mod result;
 mod sentence;
+mod signals;
 mod splits;
 pub mod story;
 pub mod text;
