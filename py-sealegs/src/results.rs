@@ -159,10 +159,15 @@ pub fn plan(diagnosis: &Diagnosis, folder: PathBuf) -> PyResult<Option<String>> 
     diagnosis.inner.plan(&folder).map_err(raised)
 }
 
-/// The model file of an addition that will lie in a folder: as TOML, and as JSON.
+/// The model file of an addition that will lie in a folder, of one unit where there are several: as TOML, and as JSON.
 #[pyfunction]
-pub fn model_file(addition: &Addition, folder: PathBuf) -> PyResult<(String, String)> {
-    let text = addition.inner.model_file(&folder).map_err(raised)?;
+#[pyo3(signature = (addition, folder, unit = None))]
+pub fn model_file(addition: &Addition, folder: PathBuf, unit: Option<&str>) -> PyResult<(String, String)> {
+    let text = match unit {
+        None => addition.inner.model_file(&folder),
+        Some(unit) => addition.inner.model_file_of(unit, &folder),
+    };
+    let text = text.map_err(raised)?;
     let json = json_of(&text)?;
     Ok((text, json))
 }

@@ -208,7 +208,7 @@ fn hidden(id: &str, rig: Rig, seed: u64) -> Case {
     let made = made(rig, seed, vec![Hidden::drawn(id, seed, strength(id))], 3.0);
     let (campaign, model) = campaign_of(&made).unwrap();
     let added = add(&campaign, &model, &[id.to_owned()], &|_| ()).unwrap();
-    let better = model.better(&added, &campaign, &[], Path::new(".")).unwrap();
+    let better = model.better(&added.fitted(), &campaign, &[], Path::new(".")).unwrap();
     let after =
         BenchModel::new(ActuatorSpec::from_toml(&better, "better.toml").unwrap(), rig.bench()).unwrap();
     let before = at(&model, &added.before.fit.values);

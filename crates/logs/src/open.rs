@@ -1,7 +1,7 @@
 //! Which reader a file needs.
 
 use crate::table::Log;
-use crate::{LogError, bag, csv_table, hdf5, json, matlab, mcap_log, numpy, parquet_table, sqlite};
+use crate::{LogError, bag, csv_table, hdf5, json, matlab, mcap_log, numpy, parquet_table, rrd, sqlite};
 use std::path::{Path, PathBuf};
 
 /// A format of log files.
@@ -56,7 +56,7 @@ const MAGIC: [(&[u8], Format); 7] = [
     (b"\x93NUMPY", Format::Npy),
     (matlab::HDF5, Format::Hdf5),
     (sqlite::MAGIC, Format::Sqlite),
-    (b"RRF", Format::Rrd),
+    (rrd::MAGIC, Format::Rrd),
 ];
 
 const ENDINGS: [(&str, Format); 16] = [
@@ -118,11 +118,7 @@ pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Log, LogError> {
         Format::Mcap => mcap_log::parse(path, &bytes),
         Format::Sqlite => bag::parse(path, &bytes),
         Format::Hdf5 => hdf5::parse(path, bytes),
-        Format::Rrd => {
-            let remedy = "is a recording of Rerun, which is not read; save its scalars as Parquet or CSV: \
-                in Python rerun.dataframe.load_recording(…).view(…).select().read_pandas().to_parquet(…)";
-            Err(LogError::whole(path, remedy))
-        }
+        Format::Rrd => rrd::parse(path, &bytes),
     }
 }
 

@@ -32,7 +32,17 @@ fn survive(name: &'static str, bytes: Vec<u8>) {
             }
         }
         let _ = survey::survey(&log);
-        let names = ["t", "log_time_s", "timestamp", "q", "u", "data", "action[0]", "position[knee]"];
+        let names = [
+            "t",
+            "log_time_s",
+            "timestamp",
+            "q",
+            "u",
+            "data",
+            "action[0]",
+            "position[knee]",
+            "fit.csv (fit)/force_1_n/measured",
+        ];
         let targets = [
             "time_s",
             "time_s",
@@ -42,6 +52,7 @@ fn survive(name: &'static str, bytes: Vec<u8>) {
             "force_2_n",
             "position_m",
             "joint_angle_rad",
+            "spring_deflection_m",
         ];
         let map = |(source, target): (&str, &str)| ColumnMap {
             source: source.to_owned(),
@@ -124,6 +135,11 @@ proptest! {
         damaged_bytes(&good("plain.h5")), damaged_bytes(&good("level73.mat")),
     ]) {
         survive("r.h5", bytes);
+    }
+
+    #[test]
+    fn damaged_recordings(bytes in damaged_bytes(&good("small.rrd"))) {
+        survive("r.rrd", bytes);
     }
 
     #[test]

@@ -198,9 +198,29 @@ fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes() {
 }
 
 #[test]
+fn reference_recordings_of_rerun_hold_the_numbers() {
+    let log = log("small.rrd");
+    assert_eq!(log.format, "Rerun");
+    let starts = [
+        ("check.csv (holdout)", 0.5, "time"),
+        ("fit.csv (fit)", 0.0, "time of fit.csv (fit)/force_1_n/measured"),
+    ];
+    for (table, (run, from_s, clock)) in log.tables.iter().zip(starts) {
+        holds(table, clock, |row| from_s + t(row), EXACT);
+        assert_eq!(table.clock, Some(0));
+        let sine = |row: usize| (0.2 * row as f64).sin();
+        holds(table, &format!("{run}/force_1_n/measured"), sine, 0.0);
+        holds(table, &format!("{run}/force_1_n/model_before"), |row| 0.9 * sine(row), 0.0);
+        holds(table, &format!("{run}/motor_angle_rad/measured"), |row| 0.1 * row as f64, 0.0);
+    }
+    assert!(log.notes.iter().all(|n| n.contains("ends within")), "{:?}", log.notes);
+}
+
+#[test]
 fn what_is_not_read_says_what_to_do() {
     for (name, bytes, said) in [
-        ("r.rrd", &b"RRF2"[..], "Rerun"),
+        ("r.rrd", &b"RRF2"[..], "no readable recording of Rerun: it ends within its first line"),
+        ("r.rrd", b"nothing at all of it", "no readable recording of Rerun"),
         ("r.h5", b"\x89HDF\r\n\x1a\n", "HDF5"),
         ("r.mcap", b"nothing", "no readable MCAP"),
         ("r.npz", b"nothing", "no readable NPZ"),

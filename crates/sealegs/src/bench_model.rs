@@ -1,7 +1,7 @@
 //! The model of a campaign that was recorded on a bench: its actuator, or another actuator file, on that bench.
 
 use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
-use crate::diagnosis::addition::Added;
+use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig, RunSetup};
@@ -157,14 +157,13 @@ impl CampaignModel for BenchModel {
 
     fn better(
         &self,
-        added: &Added,
+        added: &Fitted,
         campaign: &Campaign,
         provenance: &[(&str, String)],
         _folder: &Path,
     ) -> Result<String> {
         let mut spec = self.spec().clone();
-        let fit = &added.after.fit;
-        for (p, known) in fit.parameters.iter().zip(added.after.model.parameters()) {
+        for (p, known) in added.parameters.iter().zip(&added.stated) {
             if p.name.contains('.') {
                 continue;
             }
@@ -186,9 +185,8 @@ impl CampaignModel for BenchModel {
         for effect in &added.effects {
             with_them = with_them.including(effect, &added.seen)?;
         }
-        let stds: Vec<f64> = fit.parameters.iter().map(|p| p.std).collect();
-        spec.effects = with_them.effect_specs(&fit.values, &stds);
-        for sensor in fit.sensors() {
+        spec.effects = with_them.effect_specs(&added.values(), &added.stds());
+        for sensor in &added.sensors {
             let said = spec.sensors.entry(sensor.channel.clone()).or_default();
             said.gain = Some(sensor.gain);
             said.bias = Some(sensor.bias);

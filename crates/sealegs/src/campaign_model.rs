@@ -1,6 +1,6 @@
 //! The model of a campaign, whatever it was recorded on, and what commands ask of it beside predictions.
 
-use crate::diagnosis::addition::Added;
+use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::provenance::{Input, Provenance};
 use crate::{ModelSource, Result, bench_model, leg_model, robot_model};
 use sealegs_actuator::effect::{Effect, OwnEffect};
@@ -28,14 +28,14 @@ pub trait CampaignModel: Model {
     fn plan(&self, experiment: &Experiment, folder: &Path) -> Result<Option<String>>;
 
     /// The text of a model file with the effects and values that were added, which loads again; `folder` is where it
-    /// will lie.
+    /// will lie. Of a campaign of several units it is one unit's.
     ///
     /// # Errors
     ///
     /// If it would not load.
     fn better(
         &self,
-        added: &Added,
+        added: &Fitted,
         campaign: &Campaign,
         provenance: &[(&str, String)],
         folder: &Path,
@@ -137,7 +137,7 @@ const INPUTS: &str = "inputs";
 /// The errors of a model without and with what was added, as a model file keeps them.
 #[must_use]
 pub(crate) fn notes_of(
-    added: &Added,
+    added: &Fitted,
     campaign: &Campaign,
     provenance: &[(&str, String)],
 ) -> Vec<(String, String)> {
@@ -145,11 +145,12 @@ pub(crate) fn notes_of(
     let mut notes = vec![
         ("effects_added".to_owned(), added.effects.join(", ")),
         ("fitted_to".to_owned(), campaign.name.clone()),
-        ("error_on_fit_runs".to_owned(), errors(added.before.fit.error(), added.after.fit.error())),
+        ("error_on_fit_runs".to_owned(), errors(added.fit_error.0, added.fit_error.1)),
     ];
-    if let (Some(b), Some(a)) = (&added.before_holdout, &added.after_holdout) {
-        notes.push(("error_on_holdout_runs".to_owned(), errors(b.rms, a.rms)));
+    if let Some((before, after)) = added.holdout_error {
+        notes.push(("error_on_holdout_runs".to_owned(), errors(before, after)));
     }
+    notes.extend(added.unit.iter().map(|unit| ("unit".to_owned(), unit.clone())));
     notes.extend(provenance.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
     notes
 }

@@ -99,6 +99,28 @@ pub enum Error {
         /// What is wrong with it.
         problem: &'static str,
     },
+    /// One model file cannot hold the values of several units.
+    #[error(
+        "{}: has the units '{}', each with values of its own: one model file cannot hold them; write one for each unit",
+        campaign.display(),
+        units.join("', '")
+    )]
+    SeveralUnits {
+        /// The campaign's file.
+        campaign: PathBuf,
+        /// Its units.
+        units: Vec<String>,
+    },
+    /// A campaign has no such unit.
+    #[error("{}: has no unit '{unit}'{}", campaign.display(), it_has(units))]
+    NoSuchUnit {
+        /// The campaign's file.
+        campaign: PathBuf,
+        /// As it was asked for.
+        unit: String,
+        /// Its units; empty where it has fewer than two.
+        units: Vec<String>,
+    },
     /// The model is of another kind than the campaign: an actuator for a leg, or a scenario for a bench.
     #[error("{model}: a campaign on the {bench} bench needs {needed}")]
     WrongModel {
@@ -220,6 +242,8 @@ impl Error {
             | Self::AlreadyIncluded { .. }
             | Self::NoEffect
             | Self::BadEffect { .. }
+            | Self::SeveralUnits { .. }
+            | Self::NoSuchUnit { .. }
             | Self::WrongModel { .. }
             | Self::Length { .. }
             | Self::WrongLog { .. }
@@ -251,6 +275,15 @@ const SOME: usize = 5;
 fn some(names: &[String]) -> String {
     let more = if names.len() > SOME { " and more" } else { "" };
     names[..names.len().min(SOME)].join(", ") + more
+}
+
+/// The end of a message that names the units that there are.
+fn it_has(units: &[String]) -> String {
+    if units.is_empty() {
+        ": its runs name fewer than two, and its model file is one".to_owned()
+    } else {
+        format!("; it has '{}'", units.join("', '"))
+    }
 }
 
 /// The end of a message that names what comes nearest, if anything does.

@@ -1,7 +1,7 @@
 //! The model of a campaign that was recorded on a leg: its scenario, or another scenario file, and its runs' own.
 
 use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
-use crate::diagnosis::addition::Added;
+use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
 use sealegs_actuator::effect::Effect;
@@ -111,19 +111,17 @@ impl CampaignModel for LegModel {
 
     fn better(
         &self,
-        added: &Added,
+        added: &Fitted,
         campaign: &Campaign,
         provenance: &[(&str, String)],
         folder: &Path,
     ) -> Result<String> {
-        let fit = &added.after.fit;
         let mut with_them = self.clone();
         for effect in &added.effects {
             with_them = with_them.including(effect, &added.seen)?;
         }
-        let stds: Vec<f64> = fit.parameters.iter().map(|p| p.std).collect();
-        let mut scenario = with_them.fitted_scenario(&fit.values, &stds);
-        for sensor in fit.sensors() {
+        let mut scenario = with_them.fitted_scenario(&added.values(), &added.stds());
+        for sensor in &added.sensors {
             let said = scenario.sensors.entry(sensor.channel.clone()).or_default();
             said.gain = Some(sensor.gain);
             said.bias = Some(sensor.bias);

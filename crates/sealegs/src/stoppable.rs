@@ -62,6 +62,19 @@ impl Model for Stoppable {
         self.inner.predict(values, record, channels)
     }
 
+    fn predict_outputs(
+        &self,
+        values: &[f64],
+        record: &Record,
+        channels: &[String],
+    ) -> std::result::Result<Prediction, ModelError> {
+        if self.stop.is_stopped() {
+            return Err(ModelError::Setup { reason: "stopped".to_owned() });
+        }
+        self.stop.count();
+        self.inner.predict_outputs(values, record, channels)
+    }
+
     fn concerns(&self, parameter: usize, record: &Record) -> bool {
         self.inner.concerns(parameter, record)
     }

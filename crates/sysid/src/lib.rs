@@ -22,6 +22,7 @@ pub mod data;
 pub mod diagnose;
 mod error;
 pub mod fit;
+pub mod flips;
 pub mod frequency;
 pub mod frf;
 pub mod friction;

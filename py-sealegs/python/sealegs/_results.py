@@ -131,9 +131,12 @@ class Addition(Result[_core.Addition]):
         """The better model as a dictionary, which may be given as a model."""
         return parsed(_core.model_file(self._core, ".")[1])
 
-    def model_file(self, folder: str | os.PathLike[str] = ".") -> str:
-        """The better model as the text of a file that will lie in ``folder``; it says where its numbers come from."""
-        return _core.model_file(self._core, os.fspath(folder))[0]
+    def model_file(self, folder: str | os.PathLike[str] = ".", unit: str | None = None) -> str:
+        """The better model as the text of a file that will lie in ``folder``; it says where its numbers come from.
+
+        Of a campaign of several units each has a file of its own: ``unit`` says whose.
+        """
+        return _core.model_file(self._core, os.fspath(folder), unit)[0]
 
 
 def compare(

@@ -1,11 +1,13 @@
 //! `sealegs add`: puts an effect into a model, refits, and writes the better model.
 
+use crate::failure::bad_input;
 use crate::kind;
 use crate::output::Destination;
 use crate::progress;
 use clap::Args;
 use sealegs::Options;
 use sealegs::diagnosis::named;
+use sealegs::sysid::units;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -25,7 +27,7 @@ pub struct Add {
     /// The campaign's folder, or its campaign.toml
     #[arg(long)]
     campaign: PathBuf,
-    /// Where to write the better model
+    /// Where to write the better model; of a campaign of several units BETTER-UNIT.toml for each
     #[arg(short = 'o', long = "output", value_name = "BETTER.toml")]
     output: PathBuf,
     /// Write the result as JSON (`-` for standard output)
@@ -51,7 +53,10 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     let asked: Vec<String> = arguments.effect.iter().cloned().chain(laws).collect();
     let (effects, _) = named(&asked)?;
     let campaign = kind::campaign(&arguments.campaign)?;
-    let output = Destination::new(&arguments.output)?;
+    let several = units::of_campaign(&campaign);
+    let outputs = outputs(&arguments.output, &several)?;
+    let destinations =
+        outputs.iter().map(|path| Destination::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let json = Destination::optional(arguments.json.as_ref())?;
     let report = Destination::optional(arguments.report.as_ref())?;
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
@@ -70,14 +75,23 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     let addition = addition?;
 
     let folder = arguments.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let better = addition.model_file(folder)?;
+    let better = if several.is_empty() {
+        vec![addition.model_file(folder)?]
+    } else {
+        several
+            .iter()
+            .map(|unit| addition.model_file_of(unit, folder))
+            .collect::<sealegs::Result<Vec<_>>>()?
+    };
     if let Some(destination) = report {
         destination.write(addition.to_html()?.as_bytes())?;
     }
     if let Some(destination) = rrd {
         destination.record(&addition.recording()?)?;
     }
-    output.write(better.as_bytes())?;
+    for (destination, better) in destinations.into_iter().zip(&better) {
+        destination.write(better.as_bytes())?;
+    }
     if let Some(destination) = json {
         destination.write((addition.to_json()? + "\n").as_bytes())?;
     }
@@ -89,9 +103,42 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
             std::io::stdout().lock(),
             "{}\nwritten to {}\n{simulations} simulations, {simulated_s:.0} s of experiment in {:.1} s\n",
             addition.to_text(),
-            arguments.output.display(),
+            outputs.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", "),
             started.elapsed().as_secs_f64()
         )?;
     }
     Ok(0)
+}
+
+/// The files that are written: the one that was asked for, or one for each unit beside it.
+fn outputs(asked: &Path, units: &[String]) -> anyhow::Result<Vec<PathBuf>> {
+    if units.is_empty() {
+        return Ok(vec![asked.to_owned()]);
+    }
+    if asked == Path::new("-") {
+        return Err(bad_input(format!(
+            "-o -: the campaign has the units '{}', and a model file is written for each; name a file",
+            units.join("', '")
+        )));
+    }
+    let stem = asked.file_stem().unwrap_or_default().to_string_lossy();
+    let name = |unit: &String| match asked.extension() {
+        Some(ending) => format!("{stem}-{unit}.{}", ending.to_string_lossy()),
+        None => format!("{stem}-{unit}"),
+    };
+    Ok(units.iter().map(|unit| asked.with_file_name(name(unit))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_unit_has_a_file_beside_the_one_that_was_asked_for() {
+        let units = ["left".to_owned(), "right".to_owned()];
+        let names = outputs(Path::new("out/better.toml"), &units).expect("names");
+        assert_eq!(names, [Path::new("out/better-left.toml"), Path::new("out/better-right.toml")]);
+        assert_eq!(outputs(Path::new("better.toml"), &[]).expect("a name"), [Path::new("better.toml")]);
+        assert!(outputs(Path::new("-"), &units).is_err());
+    }
 }

@@ -3,6 +3,9 @@
     pip install numpy==2.4.6 scipy==1.17.1 pyarrow==26.0.1 mcap==1.6.0 rosbags==0.11.9 h5py==3.16.0
     python make.py
 
+small.rrd comes from the project's own recorder (crates/sealegs/tests/rrd.rs with WRITE_SMALL_RRD=FILE), without its layout
+and its footer.
+
 Forty rows at 1 kHz: time `t` (s), position `q` (rad), a command `u` (V) and the number of the row `i`.
 """
 

@@ -10,6 +10,7 @@ use sealegs_recorder::chart::{Axis, Bar, BarChart, Dash, Hue};
 use sealegs_recorder::report::{self, Answer, Report, Table, Tone};
 use sealegs_sysid::frequency::ChannelResponse;
 use sealegs_sysid::locate::Region;
+use sealegs_sysid::units::channel_of;
 use sealegs_sysid::{Role, residual};
 
 /// How the two states of the model are drawn, and the one that is shown.
@@ -25,6 +26,9 @@ pub fn of(compared: &Compared, summary: &Summary, command: &str) -> String {
     page.wide().subtitle(&compared.model);
     screen(&mut page, compared, summary, command);
     crate::sanity::section(&mut page, &compared.sanity);
+    if let Some(units) = &summary.units {
+        units.section(&mut page, "as given", compared.fit.as_ref().map(|_| "refitted"));
+    }
     page.section("Where the model fails");
     let models = fails::Models { before: AS_GIVEN, after: REFITTED };
     fails::map(&mut page, &compared.parts, &models);
@@ -346,7 +350,7 @@ fn values(page: &mut Report, compared: &Compared) {
     for s in fit.sensors() {
         let gain = if s.gain_at_limit { format!("{:.4} (limit)", s.gain) } else { format!("{:.4}", s.gain) };
         sensors.row([
-            s.channel.clone(),
+            channel_of(&s.channel, s.unit.as_deref()).into_owned(),
             gain,
             figures(s.bias, 3),
             super::text::unit(&s.channel).to_owned(),

@@ -7,7 +7,7 @@ use crate::stoppable::{Stoppable, unless_stopped};
 use crate::{Options, Result};
 use sealegs_recorder::recording;
 use sealegs_sysid::diagnose::missing_signals;
-use sealegs_sysid::{Campaign, Data, Evaluation, Fit, Role};
+use sealegs_sysid::{Campaign, Data, Evaluation, Fit, Role, units};
 use std::time::{Duration, Instant};
 
 /// Where a model fails on a campaign, and by how much.
@@ -45,7 +45,8 @@ pub fn compare(campaign: &Campaign, options: impl Into<Options>) -> Result<Compa
     let mut campaign = campaign.clone();
     let model = campaign_model::of_source(&mut campaign, &options.model, &options.own_effects)?;
     options.tell("refitting the model's own parameters");
-    let stoppable = Stoppable::new(model.as_ref(), &options);
+    let per_unit = units::per_unit(&campaign, model.as_ref())?;
+    let stoppable = Stoppable::new(per_unit.as_ref(), &options);
     let done = unless_stopped(&options, compared(&campaign, &stoppable, model.as_ref(), options.as_is))?;
     options.tell("estimating what is missing at each port");
     let ports = match done.part(Role::Fit) {

@@ -3,6 +3,7 @@
 use super::{Compared, worst_of_response};
 use crate::diagnosis::outcome::{ForceSaid, MissingSignal, ParameterValue, SensorValue, parameters, sensors};
 use crate::diagnosis::provenance::Provenance;
+use crate::diagnosis::units::Units;
 use schemars::JsonSchema;
 use sealegs_sysid::diagnose::Port;
 use sealegs_sysid::sanity::Finding;
@@ -28,6 +29,9 @@ pub struct Summary {
     pub given: Errors,
     /// Errors and values after the refit; as given if there was none.
     pub base: Base,
+    /// What became of each unit, where the campaign has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
     /// Pairs of parameters with a correlation of more than 0.9: names and value.
     pub correlations: Vec<(String, String, f64)>,
     /// What is missing at each port, before anything is searched; the most important first, as in `diagnose`. Empty where
@@ -182,6 +186,7 @@ impl Summary {
                 parameters: fit.map(parameters).unwrap_or_default(),
                 sensors: fit.map(sensors).unwrap_or_default(),
             },
+            units: Units::of_comparison(compared),
             correlations: fit.map_or_else(Vec::new, |f| {
                 let name = |i: usize| f.parameters[i].name.clone();
                 f.correlations(0.9).iter().map(|c| (name(c.first), name(c.second), c.value)).collect()

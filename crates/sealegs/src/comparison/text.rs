@@ -5,6 +5,7 @@ use crate::diagnosis::outcome::parameters;
 use crate::diagnosis::text::{figures, parameter_lines};
 use crate::report::units::with_interval;
 use sealegs_model::Unit;
+use sealegs_sysid::units::channel_of;
 use sealegs_sysid::{Role, residual};
 use std::fmt::Write;
 use std::time::Duration;
@@ -55,13 +56,16 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
             let _ = writeln!(
                 out,
                 "  {:<22} gain {:.4}{limit}, bias {} {} (runs scatter by {})",
-                s.channel,
+                channel_of(&s.channel, s.unit.as_deref()),
                 s.gain,
                 figures(s.bias, 3),
                 unit(&s.channel),
                 figures(s.bias_spread, 2)
             );
         }
+    }
+    if let Some(units) = &summary.units {
+        out.push_str(&units.text("as given", compared.fit.as_ref().map(|_| "refitted")));
     }
     if !summary.missing_signals.is_empty() {
         let _ = writeln!(out, "\nMissing at each port, rms            missing      noise  depends on");

@@ -2,11 +2,14 @@
 
 use super::outcome::{ParameterValue, Side, parameters, sensors};
 use super::provenance::Provenance;
+use super::units::Units;
 use crate::{Error, Result};
 use schemars::JsonSchema;
-use sealegs_model::{Excitation, Model, ModelError};
+use sealegs_model::{Excitation, Model, ModelError, Parameter};
 use sealegs_sysid::diagnose::{Candidate, MissingForce, Models, missing_force};
-use sealegs_sysid::{Campaign, Data, Evaluation, Role};
+use sealegs_sysid::fit::FittedParameter;
+use sealegs_sysid::nuisance::Sensor;
+use sealegs_sysid::{Campaign, Data, Evaluation, Role, units};
 use serde::Serialize;
 
 /// A model before and after effects were added to it, both fitted.
@@ -29,6 +32,41 @@ pub struct Added {
     pub work: (u64, f64),
 }
 
+/// What a model file is written from: a model's values after effects were added to it, of one unit where there are several.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// The effects, in the order in which they were asked for.
+    pub effects: Vec<String>,
+    /// What the fit runs measured and how hard they drove the model.
+    pub seen: Excitation,
+    /// The unit, where the campaign has several.
+    pub unit: Option<String>,
+    /// The parameters as they were fitted, in the order of the model with the effects.
+    pub parameters: Vec<FittedParameter>,
+    /// The same as the model states them.
+    pub stated: Vec<Parameter>,
+    /// The sensors.
+    pub sensors: Vec<Sensor>,
+    /// Root mean square residual of the fit runs without and with the effects, in noise units.
+    pub fit_error: (f64, f64),
+    /// The same of the holdout runs, if there are any.
+    pub holdout_error: Option<(f64, f64)>,
+}
+
+impl Fitted {
+    /// The values in the order of the model with the effects.
+    #[must_use]
+    pub fn values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.value).collect()
+    }
+
+    /// One standard error of each.
+    #[must_use]
+    pub fn stds(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.std).collect()
+    }
+}
+
 /// The result as `--json` writes it; `base` and `after` are those of `diagnose`.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Summary {
@@ -42,6 +80,9 @@ pub struct Summary {
     pub base: SideOfAdd,
     /// With them.
     pub after: SideOfAdd,
+    /// What became of each unit, where the campaign has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
     /// Where the numbers come from.
     pub provenance: Provenance,
 }
@@ -77,7 +118,63 @@ impl Added {
             noise_floor: campaign.noise_floor(),
             base: SideOfAdd::of(&self.before, self.before_holdout.as_ref()),
             after: SideOfAdd::of(&self.after, self.after_holdout.as_ref()),
+            units: Units::of_addition(campaign, self),
             provenance,
+        }
+    }
+
+    /// What the model file is written from.
+    #[must_use]
+    pub fn fitted(&self) -> Fitted {
+        Fitted {
+            effects: self.effects.clone(),
+            seen: self.seen.clone(),
+            unit: None,
+            parameters: self.after.fit.parameters.clone(),
+            stated: self.after.model.parameters().to_vec(),
+            sensors: self.after.fit.sensors().to_vec(),
+            fit_error: (self.before.fit.error(), self.after.fit.error()),
+            holdout_error: self
+                .before_holdout
+                .as_ref()
+                .zip(self.after_holdout.as_ref())
+                .map(|(b, a)| (b.rms, a.rms)),
+        }
+    }
+
+    /// What one unit's model file is written from: its own values, its own sensors, its own errors, and the effects that it
+    /// shares.
+    #[must_use]
+    pub fn of_unit(&self, campaign: &Campaign, unit: &str) -> Fitted {
+        let whole = self.fitted();
+        let own = |name: &str| units::split(name).1.is_none_or(|of| of == unit);
+        let plain = |name: &str| units::split(name).0.to_owned();
+        let error = |role, before, after| {
+            Some((
+                units::error_of(campaign, role, before, unit)?,
+                units::error_of(campaign, role, after, unit)?,
+            ))
+        };
+        let (before, after) = (&self.before.fit.evaluation, &self.after.fit.evaluation);
+        let holdout = self.before_holdout.as_ref().zip(self.after_holdout.as_ref());
+        Fitted {
+            unit: Some(unit.to_owned()),
+            parameters: whole
+                .parameters
+                .into_iter()
+                .filter(|p| own(&p.name))
+                .map(|p| FittedParameter { name: plain(&p.name), ..p })
+                .collect(),
+            stated: whole
+                .stated
+                .into_iter()
+                .filter(|p| own(&p.name))
+                .map(|p| Parameter { name: plain(&p.name), ..p })
+                .collect(),
+            sensors: whole.sensors.into_iter().filter(|s| s.unit.as_deref() == Some(unit)).collect(),
+            fit_error: error(Role::Fit, before, after).unwrap_or(whole.fit_error),
+            holdout_error: holdout.and_then(|(before, after)| error(Role::Holdout, before, after)),
+            ..whole
         }
     }
 

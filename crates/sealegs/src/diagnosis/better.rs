@@ -5,13 +5,14 @@ use super::confidence::Confidence;
 use super::outcome::{ForceSaid, Outcome, Ranked, RungSaid, Side, Work, parameters, percent};
 use super::provenance::Provenance;
 use super::story::{Sides, Story};
+use super::units::Units;
 use super::{page, text};
 use crate::campaign_model::{self, CampaignModel, inputs_of};
 use crate::stoppable::{Stoppable, unless_stopped};
 use crate::{Error, Options, Result, comparison};
 use sealegs_actuator::effect::OwnEffect;
 use sealegs_recorder::recording;
-use sealegs_sysid::{Campaign, Role};
+use sealegs_sysid::{Campaign, Role, units};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -57,7 +58,8 @@ pub fn add<E: AsRef<str>>(
     let mut campaign = campaign.clone();
     let model = campaign_model::of_source(&mut campaign, &options.model, &options.own_effects)?;
     campaign.require(Role::Fit)?;
-    let stoppable = Stoppable::new(model.as_ref(), &options);
+    let per_unit = units::per_unit(&campaign, model.as_ref())?;
+    let stoppable = Stoppable::new(per_unit.as_ref(), &options);
     let added = addition::add(&campaign, &stoppable, &effects, &|what| options.tell(&what));
     let added = unless_stopped(&options, added)?;
     let mut files: Vec<&Path> = options.own_effects.iter().map(PathBuf::as_path).collect();
@@ -93,13 +95,45 @@ impl Addition {
         &self.added
     }
 
+    /// The units of the campaign, each with a model file of its own; empty where there are fewer than two.
+    #[must_use]
+    pub fn units(&self) -> Vec<String> {
+        units::of_campaign(&self.campaign)
+    }
+
     /// The text of a model file (an actuator's, for a leg a scenario's) with the effects and values, which loads again
     /// from `folder`; it says where its numbers come from.
     ///
     /// # Errors
     ///
-    /// If the model would not load again.
+    /// [`Error::SeveralUnits`] of a campaign that has them: [`Addition::model_file_of`] writes one unit's. Otherwise if the
+    /// model would not load again.
     pub fn model_file(&self, folder: &Path) -> Result<String> {
+        match self.units() {
+            units if units.is_empty() => self.written(&self.added.fitted(), folder),
+            units => Err(Error::SeveralUnits { campaign: self.campaign.file.clone(), units }),
+        }
+    }
+
+    /// The text of one unit's model file: its own values and sensors, with the effects that all units share.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchUnit`] if the campaign has no unit of this name, or only one; otherwise if the model would not load
+    /// again.
+    pub fn model_file_of(&self, unit: &str, folder: &Path) -> Result<String> {
+        let units = self.units();
+        if !units.iter().any(|known| known == unit) {
+            return Err(Error::NoSuchUnit {
+                campaign: self.campaign.file.clone(),
+                unit: unit.to_owned(),
+                units,
+            });
+        }
+        self.written(&self.added.of_unit(&self.campaign, unit), folder)
+    }
+
+    fn written(&self, fitted: &addition::Fitted, folder: &Path) -> Result<String> {
         let provenance = &self.summary.provenance;
         let from = [
             ("command", self.command.clone()),
@@ -107,7 +141,7 @@ impl Addition {
             ("model", self.label.clone()),
             inputs_of(provenance),
         ];
-        self.model.better(&self.added, &self.campaign, &from, folder)
+        self.model.better(fitted, &self.campaign, &from, folder)
     }
 
     /// The numbers as JSON, indented, with the keys of the data contract.
@@ -142,6 +176,9 @@ impl Addition {
         }
         let _ = writeln!(o, "\n  parameters");
         out.push_str(&text::parameter_lines(&parameters(&added.after.fit)));
+        if let Some(units) = &self.summary.units {
+            out.push_str(&units.text("before", Some("after")));
+        }
         out
     }
 
@@ -270,6 +307,8 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
         sentence,
         confidence: Confidence::default(),
         remainder: Vec::new(),
+        units: Units::of_addition(campaign, added),
+        splits: None,
         sanity: Vec::new(),
         notes: campaign.notes.clone(),
         work: Work { simulations: added.work.0, simulated_s: added.work.1 },

@@ -80,6 +80,8 @@ impl Confidence {
         if !o.equally_good_choices.is_empty() {
             reasons.push("A convention of the log is open, and the values depend on it (below).".to_owned());
         }
+        reasons.extend(o.units.as_ref().and_then(super::units::Units::reservation));
+        reasons.extend(o.splits.as_ref().and_then(|splits| splits.reservation(&o.effects)));
         reasons.extend(off.iter().take(MOST).cloned());
         if off.len() > MOST {
             reasons.push(format!("So do {} more parameters.", off.len() - MOST));

@@ -354,6 +354,8 @@ mod tests {
                 evidence: 12.0,
                 parameters: Vec::new(),
             }],
+            units: None,
+            splits: None,
             next_experiment: "Repeat the drop from 5 cm.".to_owned(),
             sentence: String::new(),
             confidence: Confidence::default(),

@@ -14,9 +14,13 @@ pub mod progress;
 pub mod provenance;
 mod result;
 mod sentence;
+mod signals;
+mod splits;
 pub mod story;
 pub mod text;
+pub mod units;
 
 pub use better::{Addition, add, named};
 pub use page::of as page;
 pub use result::{Diagnosis, diagnose};
+pub use splits::{OtherChoice, Splits};

@@ -10,6 +10,7 @@ use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue};
 use sealegs_recorder::report::{self, Report, Table};
 use sealegs_sysid::diagnose::Play;
 use sealegs_sysid::residual;
+use sealegs_sysid::units::channel_of;
 
 /// Sets that the page shows of a ranking.
 const RANKED: usize = 12;
@@ -23,6 +24,9 @@ pub fn of(story: &Story) -> String {
     page.wide().subtitle(&outcome.provenance.model);
     headline::screen(&mut page, outcome, &story.command);
     crate::sanity::section(&mut page, &outcome.sanity);
+    if let Some(units) = &outcome.units {
+        units.section(&mut page, "before", outcome.after.as_ref().map(|_| "after"));
+    }
     page.section("Where the model fails");
     let models = fails::Models { before: figures::BEFORE, after: figures::AFTER };
     fails::map(&mut page, &story.compared.parts, &models);
@@ -162,7 +166,8 @@ fn parameters(page: &mut Report, o: &Outcome) {
     let mut sensors = Table::new().words("sensor").numbers("gain", "").numbers("bias", "").words("unit");
     for s in &last.sensors {
         let unit = crate::comparison::text::unit(&s.channel).to_owned();
-        sensors.row([s.channel.clone(), format!("{:.4}", s.gain), number(s.bias, 3), unit]);
+        let channel = channel_of(&s.channel, s.of_unit.as_deref()).into_owned();
+        sensors.row([channel, format!("{:.4}", s.gain), number(s.bias, 3), unit]);
     }
     page.details("Parameters and sensors", |page| {
         page.table(

@@ -10,7 +10,7 @@ use crate::stoppable::{Stoppable, unless_stopped};
 use crate::{Options, Result, comparison};
 use sealegs_recorder::recording;
 use sealegs_sysid::diagnose::{self, Experiment};
-use sealegs_sysid::{Campaign, Role, sanity};
+use sealegs_sysid::{Campaign, Role, sanity, units};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -55,7 +55,8 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
     let model = campaign_model::of_source(&mut campaign, &options.model, &options.own_effects)?;
     campaign.require(Role::Fit)?;
     campaign.require(Role::Holdout)?;
-    let stoppable = Stoppable::new(model.as_ref(), &options);
+    let per_unit = units::per_unit(&campaign, model.as_ref())?;
+    let stoppable = Stoppable::new(per_unit.as_ref(), &options);
     let wrong = sanity::look(&campaign, &stoppable);
     crate::sanity::gate(&campaign.file, &wrong, options.force)?;
     let found = diagnose::diagnose(&campaign, &stoppable, &|p| options.tell(&message(&p)));

@@ -75,6 +75,9 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
             "  (evidence: log-likelihood gained over the base model on left-out stretches of the fit runs)"
         );
     }
+    if let Some(units) = &outcome.units {
+        o.push_str(&units.text("base model", outcome.after.as_ref().map(|_| "with it")));
+    }
     let side = outcome.after.as_ref().unwrap_or(&outcome.base);
     let _ = writeln!(
         o,

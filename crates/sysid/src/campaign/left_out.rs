@@ -112,7 +112,7 @@ impl LeftOut {
 fn without(range: Range<usize>, rows: &[usize]) -> impl Iterator<Item = Range<usize>> {
     let mut from = range.start;
     let mut ranges = Vec::new();
-    for &row in rows.iter().filter(|r| range.contains(r)) {
+    for &row in rows.iter().filter(|r| range.contains(*r)) {
         ranges.push(from..row);
         from = row + 1;
     }

@@ -26,6 +26,7 @@ pub struct RunColumns {
     name: String,
     role: Role,
     scenario: Option<String>,
+    unit: Option<String>,
     rig: RigValues,
     columns: Vec<(String, Vec<f64>)>,
     from_s: Option<f64>,
@@ -43,6 +44,7 @@ impl RunColumns {
             name: name.into(),
             role,
             scenario: None,
+            unit: None,
             rig: RigValues::default(),
             columns: columns.into_iter().map(|(name, values)| (name.into(), values)).collect(),
             from_s: None,
@@ -54,6 +56,13 @@ impl RunColumns {
     #[must_use]
     pub fn scenario(mut self, scenario: impl Into<String>) -> Self {
         self.scenario = Some(scenario.into());
+        self
+    }
+
+    /// The unit that this run was recorded on (`left`): each has values of its own, and shares the effects.
+    #[must_use]
+    pub fn unit(mut self, unit: impl Into<String>) -> Self {
+        self.unit = Some(unit.into());
         self
     }
 
@@ -266,7 +275,7 @@ impl CampaignBuilder {
             unknown: table.unknown,
             clock,
             path,
-            unit: None,
+            unit: run.unit.clone(),
         })
     }
 }

@@ -155,8 +155,9 @@ fn alike(a: &Run, b: &Run) -> bool {
     let (ra, rb) = (&a.record, &b.record);
     let (Some(ia), Some(ib)) = (ra.inputs.first(), rb.inputs.first()) else { return false };
     let (sa, sb) = (stats::rms(&ia.values), stats::rms(&ib.values));
-    // A leg from another height, or another weight, is another experiment, whatever its input.
+    // A leg from another height, or another weight, is another experiment, whatever its input; so is another unit.
     if a.scenario != b.scenario
+        || a.unit != b.unit
         || a.rig != b.rig
         || ia.channel != ib.channel
         || sa == 0.0

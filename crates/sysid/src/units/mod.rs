@@ -4,6 +4,11 @@
 //! the same in all of them. So [`PerUnit`] gives the base model's free parameters once for each unit (`damping@left`,
 //! `damping@right`), predicts each record with its unit's values, and leaves the effects' parameters as they are. To a fit
 //! and to a search it is a model like any other. Gain and bias of sensors are a unit's own through [`crate::data::Channel`].
+//! [`errors`] and [`differences`] say what became of each unit.
+
+mod judge;
+
+pub use judge::{Difference, UnitError, UnitValue, differences, error_of, errors};
 
 use crate::{Campaign, Error, Role};
 use sealegs_model::{EffectCard, Excitation, Law, Model, ModelError, Parameter, Prediction, Record};
@@ -68,17 +73,17 @@ pub fn of_campaign(campaign: &Campaign) -> Vec<String> {
 ///
 /// # Errors
 ///
-/// [`Error::BadFile`] if a run has no unit beside others that have one, if a unit has no fit run, if a unit's name has a
-/// point or an `@` in it, or if one run's name stands for two units.
+/// [`Error::BadFile`] if a run has no unit beside others that have one, if a unit has no fit run, if a unit's name is
+/// empty or has a point, an `@` or a slash in it, or if one run's name stands for two units.
 pub fn per_unit(campaign: &Campaign, model: &dyn Model) -> Result<Box<dyn Model>, Error> {
     let names = of_campaign(campaign);
     if names.is_empty() {
         return Ok(model.clone_box());
     }
     let bad = |problem: String| Err(Error::bad(&campaign.file, None, Some("unit"), problem));
-    if let Some(name) = names.iter().find(|n| n.contains(['.', AT])) {
+    if let Some(name) = names.iter().find(|n| n.is_empty() || n.contains(['.', AT, '/', '\\'])) {
         return bad(format!(
-            "'{name}' must have no '.' and no '@' in it: it becomes a part of parameters' names"
+            "'{name}' must be a name without '.', '@' and slashes: it becomes a part of names of parameters and files"
         ));
     }
     let mut of_record: Vec<(String, usize)> = Vec::new();
@@ -217,8 +222,10 @@ impl Model for PerUnit {
         self.around(self.inner.coarser(steps_per_sample))
     }
 
-    fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
-        self.inner.observing(records).map(|model| self.around(model))
+    /// None: what is missing at a sensor is told by the channel's name, under which each unit has a sensor of its own. So
+    /// the search goes in open loop.
+    fn observing(&self, _records: &[&Record]) -> Option<Box<dyn Model>> {
+        None
     }
 
     fn forgetting(&self, records: &[&Record], memory_s: f64) -> Option<Box<dyn Model>> {
