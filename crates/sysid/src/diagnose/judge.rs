@@ -123,27 +123,51 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
     let held_out = |i: usize| found.tried[i].held_out(holdout);
     let base = &found.tried[0];
     let base_holdout = held_out(0)?;
-    let (index, traces) = named(found, &held_out, (base_holdout.rms, floor))?;
-    let chosen = &found.tried[index];
-    let chosen_holdout = held_out(index)?;
+    let (named_set, mut traces) = named(found, &held_out, (base_holdout.rms, floor))?;
     let missing = excess(base_holdout.rms, floor);
-    let share = if missing > 0.0 { (excess(chosen_holdout.rms, floor) / missing).min(1.0) } else { 0.0 };
-    let left = (chosen_holdout.rms - floor) / (base_holdout.rms - floor).max(1e-9);
-    let kind = if chosen.effects.is_empty() {
-        let near = base_holdout.rms <= EXPLAINED * floor
-            && excess(base_holdout.rms, floor)
-                <= WITHIN_UNCERTAINTY * uncertainty(holdout, base, &base_holdout)?;
-        let fits = base.fit.error() <= ADEQUATE * floor && (base_holdout.rms <= ADEQUATE * floor || near);
-        if fits { VerdictKind::Adequate } else { VerdictKind::Unexplained }
-    } else if chosen_holdout.rms <= EXPLAINED * floor || left < LEFT_SHARE {
-        VerdictKind::MissingEffect
-    } else {
-        let (helped, all) = runs_helped(&base_holdout, &chosen_holdout);
-        let helps = share <= 1.0 - MOST_OF_IT || (share <= 1.0 - WORTH_NAMING && helped == all);
-        let in_windows = || holds_up_in_windows(data, holdout, base, chosen).unwrap_or(false);
-        let partly = helps && (holds_up(share, base, chosen, floor) || in_windows());
-        if partly { VerdictKind::PartlyExplained } else { VerdictKind::Unexplained }
+    let share_of = |at: &Evaluation| {
+        if missing > 0.0 { (excess(at.rms, floor) / missing).min(1.0) } else { 0.0 }
     };
+    let kind_of = |index: usize, at: &Evaluation| -> Result<VerdictKind, Error> {
+        let chosen = &found.tried[index];
+        let share = share_of(at);
+        let left = (at.rms - floor) / (base_holdout.rms - floor).max(1e-9);
+        Ok(if chosen.effects.is_empty() {
+            let near = base_holdout.rms <= EXPLAINED * floor
+                && excess(base_holdout.rms, floor)
+                    <= WITHIN_UNCERTAINTY * uncertainty(holdout, base, &base_holdout)?;
+            let fits = base.fit.error() <= ADEQUATE * floor && (base_holdout.rms <= ADEQUATE * floor || near);
+            if fits { VerdictKind::Adequate } else { VerdictKind::Unexplained }
+        } else if at.rms <= EXPLAINED * floor || left < LEFT_SHARE {
+            VerdictKind::MissingEffect
+        } else {
+            let (helped, all) = runs_helped(&base_holdout, at);
+            let helps = share <= 1.0 - MOST_OF_IT || (share <= 1.0 - WORTH_NAMING && helped == all);
+            let in_windows = || holds_up_in_windows(data, holdout, base, chosen).unwrap_or(false);
+            let partly = helps && (holds_up(share, base, chosen, floor) || in_windows());
+            if partly { VerdictKind::PartlyExplained } else { VerdictKind::Unexplained }
+        })
+    };
+    let mut index = named_set;
+    let mut chosen_holdout = held_out(index)?;
+    let mut kind = kind_of(index, &chosen_holdout)?;
+    if kind == VerdictKind::Unexplained {
+        // Of a set that does not hold up as a whole a part may: the one that leaves least.
+        let mut parts = Vec::new();
+        for part in steps_to(found, index, &held_out) {
+            let at = held_out(part)?;
+            let of_part = kind_of(part, &at)?;
+            if part != index && !found.tried[part].effects.is_empty() && of_part != VerdictKind::Unexplained {
+                parts.push((part, at, of_part));
+            }
+        }
+        parts.sort_by(|a, b| a.1.rms.total_cmp(&b.1.rms));
+        if let Some(best) = parts.into_iter().next() {
+            (index, chosen_holdout, kind) = best;
+            traces.clear();
+        }
+    }
+    let share = share_of(&chosen_holdout);
     let says = matches!(kind, VerdictKind::MissingEffect | VerdictKind::PartlyExplained);
     let judged = |index: usize, evaluation: &Evaluation| {
         let c = &found.tried[index];
@@ -192,7 +216,8 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
         }
         None => None,
     };
-    let (tied, same) = if says { (sets(&found.tied), sets(&found.same)) } else { Default::default() };
+    let (tied, same) =
+        if says && index == named_set { (sets(&found.tied), sets(&found.same)) } else { Default::default() };
     Ok(Verdict {
         kind,
         effects,
@@ -242,8 +267,13 @@ fn named(
     }
 }
 
-/// The errors from the base model to a set: at each step the effect that takes most, as far as its sets were fitted.
+/// The errors from the base model to a set.
 fn ladder(found: &Found, last: usize, held_out: &HeldOut) -> Vec<Rung> {
+    rungs(found, &steps_to(found, last, held_out), held_out)
+}
+
+/// The sets from the base model to one: at each step the effect that takes most, as far as its sets were fitted.
+fn steps_to(found: &Found, last: usize, held_out: &HeldOut) -> Vec<usize> {
     let mut steps = vec![last];
     while let Some(&index) = steps.last().filter(|&&i| !found.tried[i].effects.is_empty()) {
         let effects = &found.tried[index].effects;
@@ -255,7 +285,7 @@ fn ladder(found: &Found, last: usize, held_out: &HeldOut) -> Vec<Rung> {
         }
     }
     steps.reverse();
-    rungs(found, &steps, held_out)
+    steps
 }
 
 fn rungs(found: &Found, steps: &[usize], held_out: &HeldOut) -> Vec<Rung> {

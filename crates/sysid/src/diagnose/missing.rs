@@ -1,10 +1,12 @@
 //! What is missing at each port: the force that an observer needs to keep a model on the measured motion, and what each
 //! sensor shows beyond it, with the uncertainty that the sensors' noise leaves.
 
-use super::dependence::{Dependence, Nuisance, averaged, dependences, step};
+use super::dependence::{Dependence, dependences};
 use super::picture::{self, MissingForce};
 use super::policy::{LITTLE_SEEN, PORT_FELT, STEPS_PER_SAMPLE};
 use super::refine::{Models, with_nominal_base};
+use super::regression::Nuisance;
+use super::rows::{averaged, step};
 use super::{Candidate, with_effects};
 use crate::data::{Data, Evaluation};
 use crate::stats::{self, Noise};
@@ -16,7 +18,7 @@ use sealegs_model::{Model, Parameter, Prediction, Record, Signal, Unit, internal
 pub struct Missing {
     /// The actuator or joint it belongs to; empty on a bench.
     pub place: String,
-    /// `rotor`, `spring`, `output`, or `sensor/CHANNEL`.
+    /// `rotor`, `spring`, `output`, or `sensor/CHANNEL`, with `@UNIT` behind it where the campaign has several.
     pub port: String,
     /// Its unit.
     pub unit: String,
@@ -115,7 +117,9 @@ pub(super) fn sensors(data: &Data, at: &Evaluation) -> Vec<Missing> {
             let runs = (0..data.runs.len()).map(of).collect();
             let unit = Unit::of_channel(&channel.name).map_or("", Unit::symbol);
             let (place, name) = channel.name.rsplit_once('.').unwrap_or(("", &channel.name));
-            signal(place.to_owned(), format!("sensor/{name}"), unit.to_owned(), runs, channel.noise_std)
+            let of_unit = channel.unit.as_ref().map_or(String::new(), |unit| format!("@{unit}"));
+            let port = format!("sensor/{name}{of_unit}");
+            signal(place.to_owned(), port, unit.to_owned(), runs, channel.noise_std)
         })
         .collect()
 }
@@ -203,10 +207,11 @@ pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
         .collect();
     let mut looked: Vec<Port> = all
         .into_par_iter()
-        .map(|missing| {
-            let same = |m: &&Missing| m.place == missing.place && m.port == missing.port;
+        .enumerate()
+        .map(|(i, missing)| {
+            // By its place in the list: the same sensor of another unit has the same name.
             let nuisance = |(parameter, moved): &(&Parameter, Vec<Missing>)| -> Option<Nuisance> {
-                let moved = moved.iter().find(same)?;
+                let moved = moved.get(i)?;
                 let known = parameter.prior_std.map(|std| std / (STEP * parameter.typical));
                 let size = known.unwrap_or(1.0);
                 let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {

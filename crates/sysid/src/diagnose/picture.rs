@@ -3,10 +3,12 @@
 //! Both are seen along the measured motion: the force that an observer needs with and without the effects, all other
 //! values alike. Their difference is the effects' law, whatever its form and wherever it acts.
 
-use super::dependence::{Nuisance, Rows, add_known, dependences, forms, known_weights, normal, rows, solve};
+use super::dependence::{dependences, forms};
 use super::missing::{Missing, Port, is_torque, ports, sensors};
 use super::policy::DRAWN_ROWS;
 use super::refine::Models;
+use super::regression::{Nuisance, add_known, known_weights, normal, solve};
+use super::rows::{Rows, rows};
 use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, Evaluation};
 use crate::fit::Fit;

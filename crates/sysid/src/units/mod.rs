@@ -222,10 +222,8 @@ impl Model for PerUnit {
         self.around(self.inner.coarser(steps_per_sample))
     }
 
-    /// None: what is missing at a sensor is told by the channel's name, under which each unit has a sensor of its own. So
-    /// the search goes in open loop.
-    fn observing(&self, _records: &[&Record]) -> Option<Box<dyn Model>> {
-        None
+    fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
+        self.inner.observing(records).map(|model| self.around(model))
     }
 
     fn forgetting(&self, records: &[&Record], memory_s: f64) -> Option<Box<dyn Model>> {
