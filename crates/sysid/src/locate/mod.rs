@@ -49,10 +49,13 @@ impl Region {
     #[must_use]
     pub fn sentence(&self) -> String {
         let of = if self.axis == "frequency" { "bandwidth" } else { "samples" };
+        let share = match 100.0 * self.sample_share {
+            percent if percent < 0.5 => "less than 1".to_owned(),
+            percent => format!("{percent:.0}"),
+        };
         format!(
-            "{:.0} % of the squared error sits in {:.0} % of the {of}: {} {} (error {} noise units there, {} elsewhere).",
+            "{:.0} % of the squared error sits in {share} % of the {of}: {} {} (error {} noise units there, {} elsewhere).",
             100.0 * self.error_share,
-            100.0 * self.sample_share,
             self.subject(),
             self.label,
             short(self.error),
