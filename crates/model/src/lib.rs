@@ -16,6 +16,7 @@ mod effect;
 mod law;
 mod parameter;
 mod record;
+mod wrapper;
 
 pub use channel::{Unit, UnknownUnit};
 pub use effect::{EffectCard, Excitation, SignalRange, SimplerLaw};

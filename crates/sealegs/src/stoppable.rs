@@ -1,7 +1,7 @@
 //! A model whose simulations can be stopped from another thread; otherwise it is the model inside, to the last bit.
 
 use crate::{Error, Options, Result, Stop};
-use sealegs_model::{EffectCard, Excitation, Law, Model, ModelError, Parameter, Prediction, Record};
+use sealegs_model::{Model, ModelError, Parameter, Prediction, Record};
 
 /// The model of work that [`Stop`] ends: then no simulation is begun, and every prediction is an error.
 #[derive(Debug)]
@@ -18,9 +18,20 @@ impl Stoppable {
     fn around(&self, inner: Box<dyn Model>) -> Box<dyn Model> {
         Box::new(Self { inner, stop: self.stop.clone() })
     }
+
+    /// Counts a simulation, unless none is to be begun any more.
+    fn begin(&self) -> std::result::Result<(), ModelError> {
+        if self.stop.is_stopped() {
+            return Err(ModelError::Setup { reason: "stopped".to_owned() });
+        }
+        self.stop.count();
+        Ok(())
+    }
 }
 
 impl Model for Stoppable {
+    sealegs_model::passes_on_to_inner!();
+
     fn name(&self) -> String {
         self.inner.name()
     }
@@ -29,36 +40,13 @@ impl Model for Stoppable {
         self.inner.parameters()
     }
 
-    fn inputs(&self) -> &[&'static str] {
-        self.inner.inputs()
-    }
-
-    fn predicts(&self, channel: &str) -> bool {
-        self.inner.predicts(channel)
-    }
-
-    fn included(&self) -> Vec<String> {
-        self.inner.included()
-    }
-
-    fn effects(&self, seen: &Excitation) -> Vec<EffectCard> {
-        self.inner.effects(seen)
-    }
-
-    fn with_effect(&self, id: &str, seen: &Excitation) -> std::result::Result<Box<dyn Model>, ModelError> {
-        self.inner.with_effect(id, seen).map(|model| self.around(model))
-    }
-
     fn predict(
         &self,
         values: &[f64],
         record: &Record,
         channels: &[String],
     ) -> std::result::Result<Prediction, ModelError> {
-        if self.stop.is_stopped() {
-            return Err(ModelError::Setup { reason: "stopped".to_owned() });
-        }
-        self.stop.count();
+        self.begin()?;
         self.inner.predict(values, record, channels)
     }
 
@@ -68,39 +56,12 @@ impl Model for Stoppable {
         record: &Record,
         channels: &[String],
     ) -> std::result::Result<Prediction, ModelError> {
-        if self.stop.is_stopped() {
-            return Err(ModelError::Setup { reason: "stopped".to_owned() });
-        }
-        self.stop.count();
+        self.begin()?;
         self.inner.predict_outputs(values, record, channels)
     }
 
     fn concerns(&self, parameter: usize, record: &Record) -> bool {
         self.inner.concerns(parameter, record)
-    }
-
-    fn experiments(&self) -> Vec<Record> {
-        self.inner.experiments()
-    }
-
-    fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
-        self.around(self.inner.coarser(steps_per_sample))
-    }
-
-    fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
-        self.inner.observing(records).map(|model| self.around(model))
-    }
-
-    fn forgetting(&self, records: &[&Record], memory_s: f64) -> Option<Box<dyn Model>> {
-        self.inner.forgetting(records, memory_s).map(|model| self.around(model))
-    }
-
-    fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {
-        self.inner.knowing(law).map(|model| self.around(model))
-    }
-
-    fn clone_box(&self) -> Box<dyn Model> {
-        self.around(self.inner.clone_box())
     }
 }
 

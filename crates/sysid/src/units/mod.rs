@@ -11,7 +11,7 @@ mod judge;
 pub use judge::{Difference, UnitError, UnitValue, differences, error_of, errors};
 
 use crate::{Campaign, Error, Role};
-use sealegs_model::{EffectCard, Excitation, Law, Model, ModelError, Parameter, Prediction, Record};
+use sealegs_model::{Model, ModelError, Parameter, Prediction, Record};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -160,32 +160,14 @@ impl PerUnit {
 }
 
 impl Model for PerUnit {
+    sealegs_model::passes_on_to_inner!();
+
     fn name(&self) -> String {
         format!("{}, units {}", self.inner.name(), self.units.names.join(", "))
     }
 
     fn parameters(&self) -> &[Parameter] {
         &self.parameters
-    }
-
-    fn inputs(&self) -> &[&'static str] {
-        self.inner.inputs()
-    }
-
-    fn predicts(&self, channel: &str) -> bool {
-        self.inner.predicts(channel)
-    }
-
-    fn included(&self) -> Vec<String> {
-        self.inner.included()
-    }
-
-    fn effects(&self, seen: &Excitation) -> Vec<EffectCard> {
-        self.inner.effects(seen)
-    }
-
-    fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {
-        self.inner.with_effect(id, seen).map(|model| self.around(model))
     }
 
     fn predict(
@@ -212,30 +194,6 @@ impl Model for PerUnit {
         self.places.get(parameter).is_some_and(|(place, of)| {
             of.is_none_or(|of| of == self.unit_of(record)) && self.inner.concerns(*place, record)
         })
-    }
-
-    fn experiments(&self) -> Vec<Record> {
-        self.inner.experiments()
-    }
-
-    fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
-        self.around(self.inner.coarser(steps_per_sample))
-    }
-
-    fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
-        self.inner.observing(records).map(|model| self.around(model))
-    }
-
-    fn forgetting(&self, records: &[&Record], memory_s: f64) -> Option<Box<dyn Model>> {
-        self.inner.forgetting(records, memory_s).map(|model| self.around(model))
-    }
-
-    fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {
-        self.inner.knowing(law).map(|model| self.around(model))
-    }
-
-    fn clone_box(&self) -> Box<dyn Model> {
-        self.around(self.inner.clone_box())
     }
 }
 
