@@ -7,10 +7,8 @@
 
 use super::Candidate;
 use super::missing::Missing;
-use super::policy::{DEPENDS, RICHER};
-use super::regression::{
-    Nuisance, Smooth, add_known, hats, known_weights, left_out, normal, quantiles, solve,
-};
+use super::policy::{DEPENDS, MOST_LOST, RICHER};
+use super::regression::{Nuisance, Smooth, hats, known_weights, left_out, quantiles, regressed};
 use super::rows::{Rows, averaged, chunks, rows, step};
 use crate::data::Data;
 use nalgebra::DMatrix;
@@ -116,7 +114,7 @@ pub(super) fn dependences(
             form.columns.iter_mut().for_each(|c| *c = mean(c));
             form
         })
-        .filter(|form| !takes_command_away(form, (&base, &known), &target, &motor))
+        .filter(|form| !cancels_command(form, (&base, &known), &target, &motor))
         .map(|form| {
             let all: Vec<Vec<f64>> = base.iter().chain(&form.columns).cloned().collect();
             let left = left_out(&all, &target, &rows.block, (&known, form.smooth(base.len())));
@@ -135,25 +133,14 @@ pub(super) fn dependences(
     found
 }
 
-/// Share of the motor's force that a drive may lose: beyond it a curve over the command takes the command away, and links
-/// without mass explain the rest.
-pub(super) const MOST_LOST: f64 = 0.5;
-
 /// Whether a curve over the command explains what is missing by taking the command away. Inertia, damping and command are
 /// in balance: where little is known of the first two, nothing of all three fits any log.
-fn takes_command_away(
-    form: &Form,
-    (base, known): (&[Vec<f64>], &[f64]),
-    target: &[f64],
-    motor: &[f64],
-) -> bool {
+fn cancels_command(form: &Form, (base, known): (&[Vec<f64>], &[f64]), target: &[f64], motor: &[f64]) -> bool {
     if !matches!(form.on, "command" | "command and time") || motor.len() != target.len() {
         return false;
     }
     let all: Vec<Vec<f64>> = base.iter().chain(&form.columns).cloned().collect();
-    let (mut a, b) = normal(&all, target, 0..target.len());
-    add_known(known, &mut a);
-    let x = solve(&a, &b);
+    let (_, x) = regressed(&all, target, (known, None));
     let given = |i: usize| (base.len()..all.len()).map(|c| x[c] * all[c][i]).sum::<f64>();
     let (mut product, mut square) = (0.0, 0.0);
     for (i, m) in motor.iter().enumerate() {
@@ -231,12 +218,7 @@ pub(super) fn forms(rows: &Rows, sensor: bool) -> Vec<Form> {
 /// The curve of a form of hats with its standard error, from all rows.
 fn curve(form: &Form, knots: &[f64], (base, known): (&[Vec<f64>], &[f64]), target: &[f64]) -> Curve {
     let all: Vec<Vec<f64>> = base.iter().chain(&form.columns).cloned().collect();
-    let (mut a, b) = normal(&all, target, 0..target.len());
-    add_known(known, &mut a);
-    if let Some(smooth) = form.smooth(base.len()) {
-        smooth.add_to(&mut a);
-    }
-    let x = solve(&a, &b);
+    let (a, x) = regressed(&all, target, (known, form.smooth(base.len())));
     let squares: f64 = (0..target.len())
         .map(|i| (target[i] - (0..all.len()).map(|c| x[c] * all[c][i]).sum::<f64>()).powi(2))
         .sum();

@@ -2,11 +2,12 @@
 //! effect deserves its name.
 
 use super::compare::{clearly_better, excess};
-use super::dependence::{Dependence, MOST_LOST};
+use super::dependence::Dependence;
 use super::missing::{Missing, Port};
 use super::picture::{MissingForce, missing_force};
 use super::policy::{
-    CURVE_BEATS, CURVES, CURVES_DEAR, CURVES_FITTED, DRY_MOSTLY, EXPLAINED, LEFT_SHARE, WORTH_NAMING,
+    CURVE_BEATS, CURVES, CURVES_DEAR, CURVES_FITTED, DRY_MOSTLY, EXPLAINED, LEFT_SHARE, MOST_LOST,
+    WORTH_NAMING,
 };
 use super::refine::{Models, with_nominal_base};
 use super::{Candidate, Found};
@@ -131,7 +132,7 @@ fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option
     let fitted: Vec<(&Tried, Candidate)> = seen
         .par_iter()
         .filter_map(|(t, fit)| Some((*t, t.models(models).fitted(near, &t.set(near), &known, Some(fit))?)))
-        .filter(|(t, with)| t.law.acts_on != "drive" || !takes_command_away(&t.law, near, with))
+        .filter(|(t, with)| t.law.acts_on != "drive" || !is_left_undriven(&t.law, near, with))
         .collect();
     let (tried, with) = fitted.into_iter().reduce(|a, b| if b.1.fit.cost < a.1.fit.cost { b } else { a })?;
     let models = tried.models(models);
@@ -143,7 +144,7 @@ fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option
 
 /// Whether the motor drives with less than half of its force beside a curve at the drive: such a curve takes the command
 /// away, and a body without mass explains the rest.
-fn takes_command_away(law: &Law, near: &Candidate, with: &Candidate) -> bool {
+fn is_left_undriven(law: &Law, near: &Candidate, with: &Candidate) -> bool {
     let place = law.place.as_deref().unwrap_or("");
     let force = |c: &Candidate| -> f64 {
         let runs = c.fit.evaluation.predictions.iter();

@@ -154,10 +154,11 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
     if kind == VerdictKind::Unexplained {
         // Of a set that does not hold up as a whole a part may: the one that leaves least.
         let mut parts = Vec::new();
-        for part in steps_to(found, index, &held_out) {
+        let is_part = |i: &usize| *i != index && !found.tried[*i].effects.is_empty();
+        for part in steps_to(found, index, &held_out).into_iter().filter(is_part) {
             let at = held_out(part)?;
             let of_part = kind_of(part, &at)?;
-            if part != index && !found.tried[part].effects.is_empty() && of_part != VerdictKind::Unexplained {
+            if of_part != VerdictKind::Unexplained {
                 parts.push((part, at, of_part));
             }
         }

@@ -209,7 +209,7 @@ pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
         .into_par_iter()
         .enumerate()
         .map(|(i, missing)| {
-            // By its place in the list: the same sensor of another unit has the same name.
+            // Both lists hold the same ports in the same order.
             let nuisance = |(parameter, moved): &(&Parameter, Vec<Missing>)| -> Option<Nuisance> {
                 let moved = moved.get(i)?;
                 let known = parameter.prior_std.map(|std| std / (STEP * parameter.typical));

@@ -7,7 +7,7 @@ use super::dependence::{dependences, forms};
 use super::missing::{Missing, Port, is_torque, ports, sensors};
 use super::policy::DRAWN_ROWS;
 use super::refine::Models;
-use super::regression::{Nuisance, add_known, known_weights, normal, solve};
+use super::regression::{Nuisance, known_weights, regressed};
 use super::rows::{Rows, rows};
 use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, Evaluation};
@@ -272,12 +272,7 @@ pub(super) fn of_port(
     let form = forms(&rows, missing.port.starts_with("sensor/")).into_iter().find(|f| f.on == on)?;
     let smooth = columns.len();
     columns.extend(form.columns.iter().cloned());
-    let (mut a, b) = normal(&columns, &y, 0..y.len());
-    add_known(&known_weights(nuisances, &y), &mut a);
-    if let Some(smooth) = form.smooth(smooth) {
-        smooth.add_to(&mut a);
-    }
-    let fitted = solve(&a, &b);
+    let (_, fitted) = regressed(&columns, &y, (&known_weights(nuisances, &y), form.smooth(smooth)));
     for i in 0..y.len() {
         y[i] -= (0..taken_off).map(|k| fitted[k] * columns[k][i]).sum::<f64>();
     }

@@ -46,6 +46,9 @@ policy! {
     /// How many times less than the best set of known effects a curve must leave on left-out stretches for that set not to
     /// be named: half the error. Laws of one family (a step, a root, a line over the speed) do not differ by less.
     CURVE_BEATS = 4.0;
+    /// Share of the motor's force that a curve at the drive may take: beyond it the curve takes the command away, and bodies
+    /// without mass explain the rest. An estimate: a drive that loses half of its force is seen without any model.
+    MOST_LOST = 0.5;
     /// Share of what a curve over the speed foresees that the direction of motion must foresee by itself for that curve to
     /// be dry friction: in a sinusoidal motion it foresees 0.914 of a force that grows with the root of the speed.
     DRY_MOSTLY = 0.95;

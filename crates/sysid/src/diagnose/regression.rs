@@ -24,7 +24,7 @@ pub(super) fn known_weights(nuisances: &[Nuisance], signal: &[f64]) -> Vec<f64> 
 }
 
 /// Adds weights to the diagonal of normal equations, to their first columns.
-pub(super) fn add_known(weights: &[f64], a: &mut DMatrix<f64>) {
+fn add_known(weights: &[f64], a: &mut DMatrix<f64>) {
     weights.iter().enumerate().for_each(|(k, weight)| a[(k, k)] += weight);
 }
 
@@ -91,7 +91,7 @@ pub(super) fn hats(x: &[f64], knots: &[f64]) -> Vec<Vec<f64>> {
 }
 
 /// `A` and `b` of the normal equations over some rows, columns in their own size.
-pub(super) fn normal(
+fn normal(
     columns: &[Vec<f64>],
     target: &[f64],
     rows: impl Iterator<Item = usize>,
@@ -119,7 +119,7 @@ pub(super) fn normal(
 }
 
 /// Solves the normal equations; directions about which nothing is known stay at zero.
-pub(super) fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let n = b.len();
     let scale: Vec<f64> = (0..n).map(|k| 1.0 / a[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
     let mut scaled = DMatrix::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j]);
@@ -127,6 +127,21 @@ pub(super) fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let right = DVector::from_fn(n, |i, _| b[i] * scale[i]);
     let solution = scaled.cholesky().map_or_else(|| DVector::zeros(n), |c| c.solve(&right));
     DVector::from_fn(n, |i, _| solution[i] * scale[i])
+}
+
+/// Coefficients of a regression on all rows, `known` as in [`left_out`], with the normal equations that gave them.
+pub(super) fn regressed(
+    columns: &[Vec<f64>],
+    target: &[f64],
+    (known, smooth): (&[f64], Option<Smooth>),
+) -> (DMatrix<f64>, DVector<f64>) {
+    let (mut a, b) = normal(columns, target, 0..target.len());
+    add_known(known, &mut a);
+    if let Some(smooth) = smooth {
+        smooth.add_to(&mut a);
+    }
+    let x = solve(&a, &b);
+    (a, x)
 }
 
 /// Sum of squares that is left of blocks, each foreseen by the others; `known` are the weights of what is known of the first
