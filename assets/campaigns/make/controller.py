@@ -14,6 +14,8 @@ DEFAULTS = {"kind": "free", "rate_hz": 1000.0, "stiffness_nm_rad": 500.0, "dampi
 
 def motion_at(motion, t, start):
     """Position, speed and acceleration of a joint's wanted motion."""
+    # An acceleration that ends with a jump at a tick must not depend on the rounding of its time.
+    t = round(t, 9)
     if motion is None:
         return start, 0.0, 0.0
     if motion["shape"] == "half-cosine":

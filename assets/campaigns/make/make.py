@@ -178,7 +178,7 @@ def make(name, spec, out):
             if scales is None:
                 names = mujoco_leg(scenario).names
                 scales = individual(names, rng)
-            time_s, columns = run_leg(scenario, scales, spec["effects"])
+            time_s, columns = run_leg(scenario, scales, spec["effects"], spec["step_s"])
             keys["scenario"] = f"{run_name}.toml"
             (folder / keys["scenario"]).write_text("\n".join(scenario_lines(scenario)), encoding="utf-8")
         else:

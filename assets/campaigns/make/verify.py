@@ -2,7 +2,7 @@
 
     cargo run --release -p sealegs-leg --example channels -- thor-drop > drop.csv
     venv/bin/python verify.py against drop.csv thor-drop       greatest and rms difference of each channel, per cent of its range
-    venv/bin/python verify.py halve [SET]                      first run of each shipped campaign with its effect, at its step and at
+    venv/bin/python verify.py halve [SET [NAME ..]]                  each run of each shipped campaign with its effect, at its step and at
                                                                half of it, in units of the sensors' noise
     venv/bin/python verify.py strength [SET]                   what the hidden effects change in it, in units of the noise
 """
@@ -16,7 +16,6 @@ from campaigns import SETS
 from make import excitation, individual, run_bench, run_leg
 from robot import ASSETS, mujoco_leg, merged, read_toml
 from sensors import BENCH_SENSORS, LEG_SENSORS, Sensors
-from simulate import STEP_S
 
 ONE = dict.fromkeys(("stiffness", "inertia", "damping", "force_constant"), 1.0)
 
@@ -41,15 +40,15 @@ def against(path, name):
               f"{100 * np.sqrt(np.mean(off**2)) / span:8.3f}")
 
 
-def first_run(spec, effects, step_s):
-    """The first run of a campaign without sensors."""
+def run_of(spec, index, effects, step_s):
+    """A run of a campaign without sensors. A bench's later runs are drawn after its sensors and cannot be had alone."""
     rng = np.random.default_rng(spec["seed"])
     if spec["bench"] == "leg":
         scales = individual(mujoco_leg(spec["runs"][0][2]).names, rng)
-        return run_leg(spec["runs"][0][2], scales, effects, step_s)[1]
+        return run_leg(spec["runs"][index][2], scales, effects, step_s)[1]
     scale = individual(["thor"], rng)["thor"]
     time_s = np.arange(round(spec["duration_s"] * spec["rate_hz"]) + 1) / spec["rate_hz"]
-    return run_bench(np.round(excitation(spec["runs"][0][0], time_s, rng), 4), time_s, scale, effects, step_s)
+    return run_bench(np.round(excitation(spec["runs"][index][0], time_s, rng), 4), time_s, scale, effects, step_s)
 
 
 def compare(spec, one, two):
@@ -62,22 +61,21 @@ def compare(spec, one, two):
     return float(np.sqrt(np.mean(np.square(list(off.values()))))), (float(off[worst].max()), worst)
 
 
-def step_of(spec):
-    return spec.get("step_s", STEP_S)
-
-
-def halve(which):
+def halve(which, *names):
     for name, spec in SETS[which].items():
-        step = step_of(spec)
-        rms, worst = compare(spec, *(first_run(spec, spec["effects"], s) for s in (step, 0.5 * step)))
-        print(f"{name}: {step * 1e6:.0f} against {step * 5e5:.0f} us: rms {rms:.4f}, greatest {worst[0]:.3f} noise ({worst[1]})",
-              flush=True)
+        if names and name not in names:
+            continue
+        step = spec["step_s"]
+        for index in range(len(spec["runs"]) if spec["bench"] == "leg" else 1):
+            rms, worst = compare(spec, *(run_of(spec, index, spec["effects"], s) for s in (step, 0.5 * step)))
+            print(f"{name} {spec['runs'][index][0]}: {step * 1e6:.0f} against {step * 5e5:.0f} us: rms {rms:.4f}, "
+                  f"greatest {worst[0]:.3f} noise ({worst[1]})", flush=True)
 
 
 def strength(which):
     for name, spec in SETS[which].items():
         if spec["effects"]:
-            rms, worst = compare(spec, *(first_run(spec, effects, step_of(spec)) for effects in (spec["effects"], {})))
+            rms, worst = compare(spec, *(run_of(spec, 0, effects, spec["step_s"]) for effects in (spec["effects"], {})))
             print(f"{name}: {' + '.join(spec['effects'])} changes rms {rms:.1f}, greatest {worst[0]:.0f} noise ({worst[1]})", flush=True)
 
 
@@ -89,7 +87,7 @@ def main():
     if arguments.what == "against":
         against(*arguments.rest)
     elif arguments.what == "halve":
-        halve(arguments.rest[0] if arguments.rest else "shipped")
+        halve(*arguments.rest or ["shipped"])
     else:
         strength(arguments.rest[0] if arguments.rest else "shipped")
 
