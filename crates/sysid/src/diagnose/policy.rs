@@ -80,7 +80,7 @@ policy! {
     /// Starting values of an effect in the first look of the screening.
     STARTS = 16.0;
     /// The same on a model with many parameters, where a simulation is dear.
-    STARTS_DEAR = 3.0;
+    STARTS_DEAR = 6.0;
     /// Single effects that are fitted beside a set.
     SHORTLIST = 10.0;
     /// Pairs that are fitted beside a set.

@@ -20,6 +20,15 @@ const TOGETHER: usize = 8;
 /// Starting values of each effect that are looked at again, together with those of all others.
 const KEPT: usize = 2;
 
+/// Times that a look is taken again as strong as the one before promised it to help most.
+const ROUNDS: usize = 3;
+
+/// Ratio of strengths within which a promise is held.
+const HELD: f64 = 1.25;
+
+/// Relative difference of two looks' falls of the cost, below which they show the same: a gap that is wide open.
+const ALIKE: f64 = 1e-3;
+
 /// The parameter that makes an effect periodic.
 pub(super) const PHASE: &str = EffectCard::PHASE;
 
@@ -80,6 +89,8 @@ pub(super) struct Look {
     pub start: Vec<f64>,
     /// Predicted fall of the cost.
     pub drop: f64,
+    /// Fall of the cost as it was simulated.
+    pub simulated: f64,
 }
 
 /// Screens effects beside a candidate, each from so many starting values at most.
@@ -142,7 +153,8 @@ pub(super) fn looks(
             let (card, start) = &chunk[job];
             let p = &cards[*card].parameters;
             if let Some((amplitude, drop)) = best_amplitude(p, &signatures, column) {
-                looks.push(Look { card: *card, start: scaled(p, start, amplitude, 0.0), drop });
+                let simulated = fall(&signatures, column, 1.0);
+                looks.push(Look { card: *card, start: scaled(p, start, amplitude, 0.0), drop, simulated });
             }
         }
     }
@@ -164,14 +176,13 @@ fn together(
     let mut kept: Vec<Look> = Vec::new();
     for look in looks {
         let same: Vec<&Look> = kept.iter().filter(|k| k.card == look.card).collect();
-        if same.len() < KEPT && same.iter().all(|k| k.start != look.start) {
+        let alike = |k: &&Look| (k.simulated - look.simulated).abs() <= ALIKE * look.simulated.abs();
+        if same.len() < KEPT && !same.iter().any(alike) {
             kept.push(look);
         }
     }
-    let again: Vec<Option<Vec<Prediction>>> =
-        kept.par_iter().map(|l| changed(data, base, seen, &cards[l.card], &l.start)).collect();
-    let (kept, columns): (Vec<Look>, Vec<Vec<Prediction>>) =
-        kept.into_iter().zip(again).filter_map(|(look, p)| Some((look, p?))).unzip();
+    let signature = |look: &Look| changed(data, base, seen, &cards[look.card], &look.start);
+    let (kept, columns) = simulated(data, beside, &unchanged, cards, kept, &signature);
     if kept.is_empty() {
         return Screened::default();
     }
@@ -182,20 +193,15 @@ fn together(
         let values = scaled(&card.parameters, &look.start, amplitude, NEAREST);
         card.parameters.iter().zip(values).map(|(p, v)| (format!("{}.{}", card.id, p.name), v)).collect()
     };
-    let mut order: Vec<(usize, f64, f64)> = (0..kept.len())
-        .filter_map(|i| {
-            let (amplitude, drop) = best_amplitude(&cards[kept[i].card].parameters, &signatures, i)?;
-            Some((i, amplitude, drop))
-        })
-        .collect();
-    order.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let mut order: Vec<usize> = (0..kept.len()).collect();
+    order.sort_by(|&a, &b| kept[b].simulated.total_cmp(&kept[a].simulated));
     let mut promises: Vec<Promise> = Vec::new();
     let mut best: Vec<usize> = Vec::new();
-    for (i, amplitude, drop) in order {
+    for i in order {
         let effect = &cards[kept[i].card].id;
         if promises.iter().all(|p| p.effect != *effect) {
-            let start = named(&kept[i], amplitude);
-            promises.push(Promise { effect: effect.clone(), drop, start });
+            let start = named(&kept[i], 1.0);
+            promises.push(Promise { effect: effect.clone(), drop: kept[i].simulated, start });
             best.push(i);
         }
     }
@@ -220,6 +226,53 @@ fn together(
     Screened { promises, pairs }
 }
 
+/// Looks as strong as they help most, with what is simulated there. What an effect promises is linear in its strength, which
+/// a gap that is wide open or a limit that is reached is not: each is simulated again at the strength that it promised to
+/// help most with, until that holds, and stays where it helped most.
+fn simulated(
+    data: &Data,
+    beside: &Candidate,
+    unchanged: &[Prediction],
+    cards: &[EffectCard],
+    looks: Vec<Look>,
+    signature: &(dyn Fn(&Look) -> Option<Vec<Prediction>> + Sync),
+) -> (Vec<Look>, Vec<Vec<Prediction>>) {
+    let mut there: Vec<Option<(Look, Vec<Prediction>)>> = vec![None; looks.len()];
+    let mut pending: Vec<(usize, Look)> = looks.into_iter().enumerate().collect();
+    for _ in 0..ROUNDS {
+        let predicted: Vec<Option<Vec<Prediction>>> =
+            pending.par_iter().map(|(_, look)| signature(look)).collect();
+        let (now, columns): (Vec<(usize, Look)>, Vec<Vec<Prediction>>) =
+            pending.into_iter().zip(predicted).filter_map(|(look, p)| Some((look, p?))).unzip();
+        pending = Vec::new();
+        if now.is_empty() {
+            break;
+        }
+        let slices: Vec<&[Prediction]> = columns.iter().map(Vec::as_slice).collect();
+        let signatures = Signatures::new(data, &beside.fit, unchanged, &slices);
+        for (i, ((place, mut look), column)) in now.into_iter().zip(columns).enumerate() {
+            let parameters = &cards[look.card].parameters;
+            let Some((amplitude, drop)) = best_amplitude(parameters, &signatures, i) else { continue };
+            look.simulated = fall(&signatures, i, 1.0);
+            let held = (1.0 / HELD..=HELD).contains(&amplitude);
+            if !held && there[place].as_ref().is_none_or(|(best, _)| best.simulated < drop) {
+                let start = scaled(parameters, &look.start, amplitude, NEAREST);
+                pending.push((place, Look { start, drop, ..look.clone() }));
+            }
+            if there[place].as_ref().is_none_or(|(best, _)| best.simulated < look.simulated) {
+                there[place] = Some((look, column));
+            }
+        }
+    }
+    there.into_iter().flatten().unzip()
+}
+
+/// By how much the cost falls with a signature of an amplitude.
+fn fall(signatures: &Signatures, column: usize, amplitude: f64) -> f64 {
+    let (stiffness, slope) = (signatures.gram[(column, column)], signatures.gradient[column]);
+    -(slope * amplitude + 0.5 * stiffness * amplitude * amplitude)
+}
+
 /// The amplitude of a signature, 1 as it was simulated, that lowers the cost most, and by how much; `None` where it
 /// changes nothing.
 fn best_amplitude(parameters: &[Parameter], signatures: &Signatures, column: usize) -> Option<(f64, f64)> {
@@ -229,7 +282,7 @@ fn best_amplitude(parameters: &[Parameter], signatures: &Signatures, column: usi
     }
     let (least, most) = range(parameters);
     let amplitude = if least == most { most } else { (-slope / stiffness).clamp(least, most) };
-    Some((amplitude, -(slope * amplitude + 0.5 * stiffness * amplitude * amplitude)))
+    Some((amplitude, fall(signatures, column, amplitude)))
 }
 
 /// Amplitudes that are admitted: an effect without a strength is what it is at its start, or a part of that; one that is
