@@ -73,6 +73,8 @@ pub struct LegModel {
     steps_per_sample: Option<f64>,
     /// Measured motions to follow, see [`Model::observing`].
     observed: Option<Arc<observed::Observed>>,
+    /// How many parameters behind the base model's are zeros of the joints' encoders: none but under an observer.
+    encoder_zeros: usize,
 }
 
 impl LegModel {
@@ -118,6 +120,7 @@ impl LegModel {
             step_s: None,
             steps_per_sample: None,
             observed: None,
+            encoder_zeros: 0,
         };
         model.include_named()?;
         // What is wrong with a scenario beyond its text shows when it is put together.
@@ -345,7 +348,9 @@ impl Model for LegModel {
         let effects = self.placed(values);
         match &self.observed {
             Some(observed) if observed.follows(record) => {
-                observed.predict(case, &scenario, &effects, record, channels)
+                let base = self.reference.len();
+                let zeros_rad = &values[base..base + self.encoder_zeros];
+                observed.predict(case, &scenario, (&effects, zeros_rad), record, channels)
             }
             _ => predict::predict(case, &scenario, &effects, record, channels),
         }
@@ -353,7 +358,14 @@ impl Model for LegModel {
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
         let observed = Arc::new(observed::Observed::of(&self.cases, records)?);
-        Some(Box::new(Self { observed: Some(observed), ..self.clone() }))
+        let mut model = Self { observed: Some(observed), ..self.clone() };
+        if self.encoder_zeros == 0 {
+            let (zeros, base) = (observed::zeros(&self.cases[0]), self.reference.len());
+            model.encoder_zeros = zeros.len();
+            model.parameters.splice(base..base, zeros);
+            model.included.iter_mut().for_each(|i| i.first += model.encoder_zeros);
+        }
+        Some(Box::new(model))
     }
 
     fn experiments(&self) -> Vec<Record> {

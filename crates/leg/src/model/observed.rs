@@ -3,6 +3,9 @@
 //! Along a known motion of the links the actuators do not feel one another, so that each is integrated by itself, and a
 //! simulation costs a small part of the leg's. What acts beyond the actuators (joints, contact, masses) changes nothing
 //! here. Channels that are followed, or cannot be told, are predicted as they were measured.
+//!
+//! A joint's encoder is mounted with an error, which a spring of 400 kN/m at an arm of 0.1 m turns into 40 N for each
+//! milliradian: the encoders' zeros are parameters of a leg under an observer.
 
 use super::{Case, predict};
 use crate::dynamics::coupling::{KnownLinks, KnownPath};
@@ -12,12 +15,30 @@ use crate::simulation::Simulation;
 use sealegs_actuator::plant::{
     Grid, Pull, ReferenceMotion, mean_per_step, observer_rate, pull_at, sample, smoothed,
 };
-use sealegs_model::{ModelError, Prediction, Record, Signal, internal};
+use sealegs_model::{ModelError, Parameter, Prediction, Record, Signal, internal};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Half the window over which an acceleration is taken, s: that of an encoder with 0.4 mrad counts at 1 kHz is then known
 /// to some 5 rad/s^2, which moves a sprung mass' force by the noise of a load cell.
 const ACCELERATION_WINDOW_S: f64 = 6e-3;
+
+/// One standard deviation of what is known of the zero of a joint's encoder, and the most that it is taken to be off, rad:
+/// it is mounted by hand.
+const ZERO_STD_RAD: f64 = 0.02;
+/// See [`ZERO_STD_RAD`].
+const GREATEST_ZERO_RAD: f64 = 0.1;
+
+/// By how much a joint is turned to see what its zero does to the paths, rad.
+const TURNED_RAD: f64 = 1e-3;
+
+/// The parameters that a leg has under an observer alone: the zero of each joint's encoder, rad, measured less true.
+pub(super) fn zeros(case: &Case) -> Vec<Parameter> {
+    let zero = |joint: &str| Parameter {
+        prior_std: Some(ZERO_STD_RAD),
+        ..Parameter::new(&format!("{joint}/encoder_zero"), "rad", 0.0, -GREATEST_ZERO_RAD, GREATEST_ZERO_RAD)
+    };
+    case.robot.moving_joints().map(|joint| zero(&joint.name)).collect()
+}
 
 /// What records measured, for the observers of their simulations.
 #[derive(Debug)]
@@ -43,6 +64,8 @@ struct Followed {
     /// Its index.
     index: usize,
     path: Arc<KnownPath>,
+    /// Change of the path's length with each joint at each point of the grid and one beyond, m/rad.
+    arms: Vec<Vec<f64>>,
     /// Rotor angle on the grid, rad.
     rotor: Arc<ReferenceMotion>,
     /// The same at the record's time stamps.
@@ -74,12 +97,12 @@ impl Observed {
         self.records.iter().any(|r| r.name == record.name)
     }
 
-    /// What the actuators do along the measured motion.
+    /// What the actuators do along the measured motion, the joints' encoders having these zeros.
     pub fn predict(
         &self,
         case: &Case,
         scenario: &Scenario,
-        effects: &[Placed],
+        (effects, zeros_rad): (&[Placed], &[f64]),
         record: &Record,
         channels: &[String],
     ) -> Result<Prediction, ModelError> {
@@ -92,7 +115,7 @@ impl Observed {
         let mut prediction = Prediction { outputs: Vec::new(), internals: Vec::new(), events: Vec::new() };
         let mut told: Vec<(String, Vec<f64>)> = Vec::new();
         for followed in &known.actuators {
-            told.extend(follow(&mut simulation, followed, record, &grid, &mut prediction)?);
+            told.extend(follow(&mut simulation, followed, zeros_rad, record, &grid, &mut prediction)?);
         }
         for channel in channels {
             let values = match told.iter().find(|(name, _)| name == channel) {
@@ -154,12 +177,23 @@ impl Known {
             .enumerate()
             .filter_map(|(i, a)| measured(record, &a.name).map(|_| i))
             .collect();
-        let mut paths = vec![KnownPath::default(); simulation.leg().actuators.len()];
+        let count = simulation.leg().actuators.len();
+        let mut paths = vec![KnownPath::default(); count];
+        let mut arms = vec![vec![Vec::with_capacity(beyond.steps + 1); joints.len()]; count];
         for n in 0..=beyond.steps {
             let q: Vec<f64> = joints.iter().map(|j| j.position[n]).collect();
             let speed: Vec<f64> = joints.iter().map(|j| j.speed[n]).collect();
             let rail = base.as_ref().map_or((0.0, 0.0), |b| (b.position[n] - height, b.speed[n]));
             let reaches = simulation.reaches_at((&q, rail.0), (&speed, rail.1));
+            let mut turned = q.clone();
+            for j in 0..q.len() {
+                turned[j] = q[j] + TURNED_RAD;
+                let there = simulation.reaches_at((&turned, rail.0), (&speed, rail.1));
+                turned[j] = q[j];
+                for (arms, (here, there)) in arms.iter_mut().zip(reaches.iter().zip(there)) {
+                    arms[j].push((there.0.length_m - here.0.length_m) / TURNED_RAD);
+                }
+            }
             for (path, (reach, joint_speed, attachment)) in paths.iter_mut().zip(reaches) {
                 path.reaches.push(reach);
                 path.joint_speeds.push(joint_speed);
@@ -178,6 +212,7 @@ impl Known {
                 Some(Followed {
                     index,
                     path: Arc::new(std::mem::take(&mut paths[index])),
+                    arms: std::mem::take(&mut arms[index]),
                     rotor: Arc::new(at_samples.on(grid, &record.time_s)),
                     rotor_at_samples: at_samples,
                     force_1: force_1.map(|f| smoothed(&record.time_s, f).position),
@@ -188,10 +223,22 @@ impl Known {
     }
 }
 
+impl Followed {
+    /// How much longer the path is at each point than it was measured with encoders of these zeros (rad), m.
+    fn longer(&self, zeros_rad: &[f64]) -> Vec<f64> {
+        let mut longer = vec![0.0; self.path.reaches.len()];
+        for (arm, zero) in self.arms.iter().zip(zeros_rad).filter(|(_, zero)| **zero != 0.0) {
+            longer.iter_mut().zip(arm).for_each(|(longer, arm)| *longer -= arm * zero);
+        }
+        longer
+    }
+}
+
 /// Integrates one actuator along its known path: its channels by name, its internal signals into the prediction.
 fn follow(
     simulation: &mut Simulation,
     followed: &Followed,
+    zeros_rad: &[f64],
     record: &Record,
     grid: &Grid,
     prediction: &mut Prediction,
@@ -209,7 +256,7 @@ fn follow(
     let mass = nominal.total_mass();
     let rate = observer_rate(nominal.stiffness, mass, grid.step_s, record.mean_period_s());
     let pull = Pull::on(followed.rotor.clone(), travel, mass, rate);
-    let mut links = KnownLinks { path: followed.path.clone(), point: 0 };
+    let mut links = KnownLinks { path: followed.path.clone(), point: 0, longer_m: followed.longer(zeros_rad) };
     let points = grid.steps + 1;
     let room = || Vec::with_capacity(points);
     let (mut forces, mut inside, mut pulled) =

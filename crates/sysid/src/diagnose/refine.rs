@@ -150,7 +150,7 @@ impl<'a> Models<'a> {
     /// that the base parameters could still take. `None` where there is no observer.
     #[must_use]
     pub fn observing(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
-        self.observed_for(candidate, known, OBSERVED_STEPS as usize)
+        self.observed_for(candidate, known, OBSERVED_STEPS as usize, &[])
     }
 
     /// A candidate under the observer as its maker states it, or fitted where nothing is known of a base parameter: what is
@@ -158,19 +158,28 @@ impl<'a> Models<'a> {
     #[must_use]
     pub fn as_stated(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
         let unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none();
-        let fitted = self.exact.parameters().iter().any(unknown) || !candidate.effects.is_empty();
-        self.observed_for(candidate, known, if fitted { OBSERVED_STEPS as usize } else { 0 })
+        if self.exact.parameters().iter().any(unknown) || !candidate.effects.is_empty() {
+            return self.observing(candidate, known);
+        }
+        // What a model has under an observer alone, a sensor's zero, its maker does not state.
+        let stated: Vec<String> = self.exact.parameters().iter().map(|p| p.name.clone()).collect();
+        let more = self.observed.as_deref().is_some_and(|o| o.parameters().len() > stated.len());
+        self.observed_for(candidate, known, if more { RACE_STEPS as usize } else { 0 }, &stated)
     }
 
-    fn observed_for(&self, candidate: &Candidate, known: &Known, steps: usize) -> Option<Candidate> {
+    fn observed_for(
+        &self,
+        candidate: &Candidate,
+        known: &Known,
+        steps: usize,
+        held: &[String],
+    ) -> Option<Candidate> {
         let observed = self.observed.as_deref()?;
         let model = with_effects(observed, &candidate.effects, &self.seen).ok()?;
         let start = values_by_name(model.as_ref(), known);
-        let options = FitOptions {
-            max_steps: steps,
-            tolerance: ROUGH_TOLERANCE,
-            ..under_observer(self.options(model.as_ref(), start, candidate))
-        };
+        let usual = under_observer(self.options(model.as_ref(), start, candidate));
+        let held = usual.held.iter().chain(held).cloned().collect();
+        let options = FitOptions { max_steps: steps, tolerance: ROUGH_TOLERANCE, held, ..usual };
         let fit = fit::fit(self.data, model.as_ref(), &options).ok()?;
         Some(Candidate { model, fit, ..candidate.clone() })
     }
@@ -247,7 +256,8 @@ impl<'a> Models<'a> {
             let seen = observed.parameters.iter().map(|p| (p.name.clone(), p.value));
             let mixed: Known = nearby.chain(seen).collect();
             starts.push(values_by_name(model.as_ref(), &mixed));
-            starts.push(observed.values.clone());
+            let own: Known = observed.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
+            starts.push(values_by_name(model.as_ref(), &own));
         }
         let cost =
             |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);

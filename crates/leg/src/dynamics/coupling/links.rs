@@ -98,11 +98,15 @@ pub(crate) struct KnownLinks {
     pub path: Arc<KnownPath>,
     /// The present point of the grid.
     pub point: usize,
+    /// How much longer the path is at each point than it was measured, m; empty where nothing is known of that.
+    pub longer_m: Vec<f64>,
 }
 
 impl Links for KnownLinks {
     fn reach(&self, _path: &Path) -> Reach {
-        self.path.reaches[self.point]
+        let mut reach = self.path.reaches[self.point];
+        reach.length_m += self.longer_m.get(self.point).copied().unwrap_or(0.0);
+        reach
     }
 
     fn joint_velocity(&self, _dof: usize) -> f64 {
