@@ -256,7 +256,8 @@ fn follow(
     let mass = nominal.total_mass();
     let rate = observer_rate(nominal.stiffness, mass, grid.step_s, record.mean_period_s());
     let pull = Pull::on(followed.rotor.clone(), travel, mass, rate);
-    let mut links = KnownLinks { path: followed.path.clone(), point: 0, longer_m: followed.longer(zeros_rad) };
+    let mut links =
+        KnownLinks { path: followed.path.clone(), point: 0, longer_m: followed.longer(zeros_rad) };
     let points = grid.steps + 1;
     let room = || Vec::with_capacity(points);
     let (mut forces, mut inside, mut pulled) =
@@ -305,9 +306,12 @@ fn follow(
         prediction.internals.push(Signal { channel: format!("{name}.{what}"), values: at(values) });
     }
     let endings = ["force_1_n", "force_2_n", "rotor_angle_rad"];
+    // Between the cells is the sprung mass: its acceleration out of an encoder's counts is worth less than what link 1 felt.
+    let told = |ending: &str| ending != "force_2_n" || followed.force_1.is_none();
     Ok(endings
         .into_iter()
         .zip(forces)
+        .filter(|(ending, _)| told(ending))
         .map(|(ending, mut values)| {
             for stage in simulation.sensor_stages(&name).iter().filter(|s| s.concerns(ending)) {
                 stage.apply(&mut values, grid.step_s);

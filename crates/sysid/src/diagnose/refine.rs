@@ -29,6 +29,12 @@ const ROUGH_TOLERANCE: f64 = 3.0;
 /// Ratios to its nominal value from which a parameter that is free at last starts again: its prior is 50 %.
 const FREED: [f64; 2] = [0.6, 1.4];
 
+/// Times that an effect is weakened before a fit in open loop, and by how much each time: play that is wide open under an
+/// observer has an end.
+const WEAKENED: usize = 4;
+/// See [`WEAKENED`].
+const WEAKER_BY: f64 = 0.8;
+
 /// A base model in the forms in which a diagnosis uses it, with the fit runs.
 pub struct Models<'a> {
     /// The fit runs.
@@ -263,7 +269,13 @@ impl<'a> Models<'a> {
             |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);
         let costs: Vec<f64> = starts.iter().map(cost).collect();
         let best = (0..starts.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a })?;
-        let start = starts.swap_remove(best);
+        let mut start = starts[best].clone();
+        if let (true, Some(own)) = (self.dear && observed.is_some(), starts.last()) {
+            let added = |p: &Parameter| {
+                near.effects.iter().all(|effect| super::candidate::symbol(&p.name, effect).is_none())
+            };
+            start = mixed_by_place(model.as_ref(), start, own, &added, &cost);
+        }
         let options = self.options(model.as_ref(), start, near);
         let fitted = Candidate::fitted(self.data, effects.to_vec(), model, &options).ok()?;
         Some(self.tuned(fitted))
@@ -374,6 +386,45 @@ impl<'a> Models<'a> {
         let left = excess(candidate.fit.error(), floor);
         candidate.fit.error() <= AT_FLOOR * floor || left <= TRACE * excess(base.fit.error(), floor)
     }
+}
+
+/// Values with those of other ones taken over place by place (an actuator's base parameters) where that lowers the cost, and
+/// with what was added weaker where that does. Beside a missing effect a fit in open loop drives the base parameters of the
+/// place away that the effect is at, and those of its neighbours; under an observer those of the others are less well known.
+fn mixed_by_place(
+    model: &dyn Model,
+    mut values: Vec<f64>,
+    other: &[f64],
+    added: &dyn Fn(&Parameter) -> bool,
+    cost: &dyn Fn(&Vec<f64>) -> f64,
+) -> Vec<f64> {
+    let place = |p: &Parameter| match p.name.contains('.') {
+        true => None,
+        false => p.name.split_once('/').map(|(place, _)| place.to_owned()),
+    };
+    let places: Vec<Option<String>> = model.parameters().iter().map(place).collect();
+    let distinct: std::collections::BTreeSet<&String> = places.iter().flatten().collect();
+    let mut least = cost(&values);
+    for place in distinct {
+        let at = |i: usize| if places[i].as_ref() == Some(place) { other[i] } else { values[i] };
+        let taken: Vec<f64> = (0..values.len()).map(at).collect();
+        let cost = cost(&taken);
+        if cost < least {
+            (least, values) = (cost, taken);
+        }
+    }
+    for _ in 0..WEAKENED {
+        let weaker = |(p, v): (&Parameter, &f64)| {
+            if is_amplitude(p) && p.name.contains('.') && added(p) { WEAKER_BY * v } else { *v }
+        };
+        let weaker: Vec<f64> = model.parameters().iter().zip(&values).map(weaker).collect();
+        let cost = cost(&weaker);
+        if weaker == values || cost >= least {
+            break;
+        }
+        (least, values) = (cost, weaker);
+    }
+    values
 }
 
 /// Values with other starts of what a last fit frees: with it the search held the valley that goes with its nominal value,

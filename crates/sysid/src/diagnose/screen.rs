@@ -20,11 +20,17 @@ const TOGETHER: usize = 8;
 /// Starting values of each effect that are looked at again, together with those of all others.
 const KEPT: usize = 2;
 
-/// Times that a look is taken again as strong as the one before promised it to help most.
-const ROUNDS: usize = 3;
+/// Times that a look is taken again, as strong as the one before promised it to help most, or half as strong.
+const ROUNDS: usize = 5;
 
 /// Ratio of strengths within which a promise is held.
 const HELD: f64 = 1.25;
+
+/// Share of a promise that a simulation must show for the promise to be worth following.
+const KEPT_PROMISE: f64 = 0.5;
+
+/// What a look is weakened by where its promise was broken.
+const WEAKENED: f64 = 0.5;
 
 /// Relative difference of two looks' falls of the cost, below which they show the same: a gap that is wide open.
 const ALIKE: f64 = 1e-3;
@@ -175,9 +181,9 @@ fn together(
     let Ok(unchanged) = data.predict_outputs(base.0, base.1) else { return Screened::default() };
     let mut kept: Vec<Look> = Vec::new();
     for look in looks {
-        let same: Vec<&Look> = kept.iter().filter(|k| k.card == look.card).collect();
-        let alike = |k: &&Look| (k.simulated - look.simulated).abs() <= ALIKE * look.simulated.abs();
-        if same.len() < KEPT && !same.iter().any(alike) {
+        let same = kept.iter().filter(|k| k.card == look.card);
+        let alike = |k: &Look| (k.simulated - look.simulated).abs() <= ALIKE * look.simulated.abs();
+        if same.clone().count() < KEPT && !same.into_iter().any(alike) {
             kept.push(look);
         }
     }
@@ -228,7 +234,8 @@ fn together(
 
 /// Looks as strong as they help most, with what is simulated there. What an effect promises is linear in its strength, which
 /// a gap that is wide open or a limit that is reached is not: each is simulated again at the strength that it promised to
-/// help most with, until that holds, and stays where it helped most.
+/// help most with until that holds. Where the promise is broken it is weakened as long as it helps no less, as nothing leads
+/// away from where an effect is at its end.
 fn simulated(
     data: &Data,
     beside: &Candidate,
@@ -240,11 +247,9 @@ fn simulated(
     let mut there: Vec<Option<(Look, Vec<Prediction>)>> = vec![None; looks.len()];
     let mut pending: Vec<(usize, Look)> = looks.into_iter().enumerate().collect();
     for _ in 0..ROUNDS {
-        let predicted: Vec<Option<Vec<Prediction>>> =
-            pending.par_iter().map(|(_, look)| signature(look)).collect();
-        let (now, columns): (Vec<(usize, Look)>, Vec<Vec<Prediction>>) =
-            pending.into_iter().zip(predicted).filter_map(|(look, p)| Some((look, p?))).unzip();
-        pending = Vec::new();
+        let predicted: Vec<_> = pending.par_iter().map(|(_, look)| signature(look)).collect();
+        let (now, columns): (Vec<_>, Vec<_>) =
+            pending.drain(..).zip(predicted).filter_map(|(look, p)| Some((look, p?))).unzip();
         if now.is_empty() {
             break;
         }
@@ -254,12 +259,21 @@ fn simulated(
             let parameters = &cards[look.card].parameters;
             let Some((amplitude, drop)) = best_amplitude(parameters, &signatures, i) else { continue };
             look.simulated = fall(&signatures, i, 1.0);
+            let best = there[place].as_ref().map_or(f64::NEG_INFINITY, |(best, _)| best.simulated);
+            let no_less = look.simulated >= best - ALIKE * best.abs();
             let held = (1.0 / HELD..=HELD).contains(&amplitude);
-            if !held && there[place].as_ref().is_none_or(|(best, _)| best.simulated < drop) {
+            let next = match look.simulated < KEPT_PROMISE * look.drop {
+                true if no_less => Some((WEAKENED, look.drop)),
+                false if !held && drop > best => Some((amplitude, drop)),
+                _ => None,
+            };
+            if let Some((amplitude, drop)) = next {
                 let start = scaled(parameters, &look.start, amplitude, NEAREST);
-                pending.push((place, Look { start, drop, ..look.clone() }));
+                if start != look.start {
+                    pending.push((place, Look { start, drop, ..look.clone() }));
+                }
             }
-            if there[place].as_ref().is_none_or(|(best, _)| best.simulated < look.simulated) {
+            if no_less {
                 there[place] = Some((look, column));
             }
         }
