@@ -11,7 +11,7 @@ use super::screen::{Known, Plan, Promise, Screened, addable, screen};
 use super::{Candidate, Progress};
 use crate::fit::{EQUAL_COST, Fit};
 use rayon::prelude::*;
-use sealegs_model::EffectCard;
+use sealegs_model::{EffectCard, internal};
 
 /// Times that members are exchanged and taken out in turn.
 const ROUNDS: usize = 2;
@@ -80,8 +80,9 @@ impl Search<'_> {
         let near = self.tried[from].clone();
         let mut fitted = self.fit_all(&near, beside.as_ref(), screened.plans(left), None);
         let most = NEAR_FLOOR * self.models.data.floor;
-        if beside.is_some() && fitted.iter().all(|&i| self.tried[i].fit.error() > most) {
-            let plans = self.in_open_loop(from, &screened);
+        let unexplained = fitted.iter().all(|&i| self.tried[i].fit.error() > most);
+        if let Some(beside) = beside.as_ref().filter(|_| unexplained) {
+            let plans = self.in_open_loop(from, beside, &screened);
             fitted.extend(self.fit_all(&near, None, plans, None));
         }
         let least = fitted
@@ -148,11 +149,20 @@ impl Search<'_> {
 
     /// The most promising effects in open loop: a sensor that the observer follows hides its own fault, and a slow law (a
     /// clamp that slips) shows over seconds. On a leg, where a simulation in open loop is dear, only what the observer
-    /// cannot see is looked at.
-    fn in_open_loop(&self, from: usize, observed: &Screened) -> Vec<Plan> {
+    /// cannot see is looked at: what changes nothing there, and what acts where it shows no missing signal, as on a link that
+    /// moves as it was measured.
+    fn in_open_loop(&self, from: usize, beside: &Candidate, observed: &Screened) -> Vec<Plan> {
         let (models, candidate) = (&self.models, &self.tried[from]);
         (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
-        let felt = |c: &EffectCard| observed.promises.iter().any(|p| p.effect == c.id);
+        let internals = || beside.fit.evaluation.predictions.iter().flat_map(|p| &p.internals);
+        let shows = |place: &str| {
+            let missing = format!("{place}.{}", internal::MISSING);
+            internals().any(|signal| signal.channel.starts_with(&missing))
+        };
+        let felt = |c: &EffectCard| {
+            observed.promises.iter().any(|p| p.effect == c.id)
+                && c.id.split_once('/').is_none_or(|(place, _)| shows(place))
+        };
         let mut cards = addable(candidate.model.as_ref(), &models.seen, &self.admitted);
         cards.retain(|c| !models.dear || !felt(c));
         let promises = self.at(candidate, &cards).promises.into_iter().filter(|p| p.drop > 0.0);
