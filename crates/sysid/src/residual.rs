@@ -18,7 +18,9 @@ pub struct ChannelError {
     pub error: f64,
     /// The same in the channel's unit.
     pub rms: f64,
-    /// The same in per cent of the measured signal's root mean square, the sensor's bias taken off.
+    /// Mean absolute residual in the channel's unit.
+    pub mean_absolute: f64,
+    /// The root mean square in per cent of the measured signal's root mean square, the sensor's bias taken off.
     pub percent: f64,
     /// Greatest residual in noise units.
     pub peak: f64,
@@ -46,6 +48,7 @@ pub fn table(data: &Data, at: &Evaluation) -> Vec<ChannelError> {
                 rows: block.residual.len(),
                 error,
                 rms,
+                mean_absolute: mean_absolute(&block.residual) * channel.noise_std,
                 percent: if size > 0.0 { 100.0 * rms / size } else { 0.0 },
                 peak: block.residual.iter().fold(0.0f64, |p, r| p.max(r.abs())),
                 bias,
@@ -63,6 +66,12 @@ pub struct PooledError {
     pub error: f64,
     /// The same in the channel's unit.
     pub rms: f64,
+    /// Mean absolute residual in the channel's unit.
+    pub mean_absolute: f64,
+}
+
+fn mean_absolute(residual: &[f64]) -> f64 {
+    residual.iter().map(|r| r.abs()).sum::<f64>() / residual.len().max(1) as f64
 }
 
 /// One line for each channel, in the order of the data.
@@ -75,8 +84,9 @@ pub fn by_channel(data: &Data, at: &Evaluation) -> Vec<PooledError> {
         let same = |b: &&Block| data.channels[b.channel].name == channel.name;
         let residuals: Vec<f64> =
             at.blocks.iter().filter(same).flat_map(|b| b.residual.iter().copied()).collect();
-        let error = stats::rms(&residuals);
-        Some(PooledError { channel: channel.name.clone(), error, rms: error * channel.noise_std })
+        let (error, noise_std) = (stats::rms(&residuals), channel.noise_std);
+        let mean_absolute = mean_absolute(&residuals) * noise_std;
+        Some(PooledError { channel: channel.name.clone(), error, rms: error * noise_std, mean_absolute })
     };
     data.channels.iter().enumerate().filter_map(of_channel).collect()
 }

@@ -98,7 +98,9 @@ pub struct Line {
     pub error: f64,
     /// The same in the channel's unit.
     pub rms: f64,
-    /// The same in per cent of the measured channel's root mean square, the sensor's bias taken off.
+    /// Mean absolute residual, in the same unit.
+    pub mean_absolute: f64,
+    /// The root mean square in per cent of the measured channel's root mean square, the sensor's bias taken off.
     pub percent: f64,
     /// Greatest magnitude of the residual, noise units.
     pub peak: f64,
@@ -204,6 +206,7 @@ impl Summary {
                     rows: c.rows,
                     error: c.error,
                     rms: c.rms,
+                    mean_absolute: c.mean_absolute,
                     percent: c.percent,
                     peak: c.peak,
                     bias: c.bias,

@@ -39,6 +39,14 @@ const STAYS: f64 = 1.05;
 /// Parameters and sentences that are said at most.
 const MOST: usize = 3;
 
+impl Outcome {
+    /// Whether the held-out runs end above the noise floor.
+    pub(super) fn stays(&self) -> bool {
+        let side = self.after.as_ref().unwrap_or(&self.base);
+        side.holdout_error > STAYS * self.noise_floor
+    }
+}
+
 impl Confidence {
     /// That of a verdict.
     #[must_use]
@@ -46,7 +54,7 @@ impl Confidence {
         let floor = o.noise_floor;
         let side = o.after.as_ref().unwrap_or(&o.base);
         let off = off(&side.parameters);
-        let stays = side.holdout_error > STAYS * floor;
+        let stays = o.stays();
         let mut reasons = Vec::new();
         match o.verdict {
             "added" => return Self::default(),

@@ -6,6 +6,7 @@ pub mod confidence;
 mod figures;
 mod friction;
 mod headline;
+mod intervals;
 pub mod law;
 pub mod outcome;
 mod page;

@@ -121,7 +121,9 @@ pub struct ChannelSaid {
     pub unit: String,
     /// Root mean square residual of the holdout runs, in that unit.
     pub holdout_rms: f64,
-    /// The same in noise units.
+    /// Mean absolute residual of the holdout runs, in that unit.
+    pub holdout_mean_absolute: f64,
+    /// The root mean square in noise units.
     pub holdout_error: f64,
 }
 
@@ -143,7 +145,8 @@ pub struct ParameterValue {
     pub name: String,
     /// Its value in its unit.
     pub value: f64,
-    /// One standard error; 0 for a fixed one, none where the data say nothing at all.
+    /// One standard error; 0 for a fixed one, none where the data say nothing at all or where it is withheld, see
+    /// [`Outcome::new`].
     pub std: Option<f64>,
     /// The unit; empty for a ratio.
     pub unit: String,
@@ -274,6 +277,7 @@ fn channel_errors(
     let said = |e: residual::PooledError| ChannelSaid {
         unit: Unit::of_channel(&e.channel).map_or_else(|_| String::new(), |u| u.symbol().to_owned()),
         holdout_rms: e.rms,
+        holdout_mean_absolute: e.mean_absolute,
         holdout_error: e.error,
         channel: e.channel,
     };
@@ -282,6 +286,9 @@ fn channel_errors(
 
 impl Outcome {
     /// Everything that is said of a diagnosis; the next experiment and what is wrong with the log come from outside.
+    ///
+    /// Where something stays that the named effects do not explain, their intervals cover the values of the sets that
+    /// predict as well; where a parameter of the base model ended at a bound or far from what is known, they are withheld.
     #[must_use]
     pub fn new(
         campaign: &Campaign,
@@ -362,6 +369,7 @@ impl Outcome {
             provenance,
         };
         outcome.confidence = Confidence::of(&outcome);
+        super::intervals::make_honest(&mut outcome);
         outcome.sentence = sentence(&outcome);
         outcome
     }

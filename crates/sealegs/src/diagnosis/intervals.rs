@@ -1,0 +1,36 @@
+//! Intervals that are as sure as they sound: where something stays that the named model does not explain, the intervals of a
+//! fit say how far the values vary under that model, not how far they are from the true ones.
+
+use super::outcome::{Outcome, ParameterValue};
+
+/// Held-out error over that of the named set up to which a set that holds it gives values that may as well be right: that of
+/// a tie.
+const AS_GOOD: f64 = 1.1;
+
+/// Widens the intervals of a verdict that something speaks against to cover the values of other sets that hold the named
+/// effects and predict as well, and withholds those of the effects where a parameter of the base model ended where it should
+/// not: what drove it there has driven them.
+pub(super) fn make_honest(o: &mut Outcome) {
+    let stays = o.stays();
+    let Some(after) = o.after.as_mut().filter(|_| o.confidence.intervals_conditional) else { return };
+    let holds = |set: &[String]| o.effects.iter().all(|effect| set.contains(effect)) && set != o.effects;
+    let as_good = o
+        .ranking
+        .iter()
+        .filter(|r| r.holdout_error <= AS_GOOD * after.holdout_error)
+        .filter(|r| holds(&r.effects) || o.indistinguishable.contains(&r.effects));
+    for other in as_good.flat_map(|r| &r.parameters) {
+        let same = after.parameters.iter_mut().find(|p| p.name == other.name && !p.fixed);
+        if let Some((own, std)) = same.and_then(|own| own.std.map(|std| (own, std))) {
+            own.std = Some(std.max((other.value - own.value).abs()));
+        }
+    }
+    if !stays {
+        return;
+    }
+    let of_base = |p: &ParameterValue| !p.name.contains('.');
+    if after.parameters.iter().any(|p| of_base(p) && !p.fixed && (p.at_bound || p.is_far())) {
+        let own = after.parameters.iter_mut().filter(|p| !p.fixed && (!of_base(p) || p.is_far()));
+        own.for_each(|p| p.std = None);
+    }
+}
