@@ -59,7 +59,7 @@ class Campaign:
             ``joint_torque_nm`` in N m, ``voltage_v`` in V, ``position_rad`` in rad; a bench needs exactly one), and
             outputs (``force_1_n``, ``motor_angle_rad``, ...). Columns of a leg and of a robot carry their place:
             ``knee.angle_rad``, ``knee.force_1_n``.
-        :param holdout: the runs that judge once, at the end.
+        :param holdout: the held-out runs, scored once, at the end.
         :param noise_std: one standard deviation of a channel's noise, in its unit; otherwise it is estimated.
         :param inputs: for a leg, the columns that are commands.
         :param scenarios: for a leg, runs that have another scenario than ``model``.
