@@ -10,10 +10,12 @@ use sealegs::sysid::campaign::RigValues;
 use sealegs::{Bench, Role, RunColumns};
 use std::path::PathBuf;
 
-/// A run as Python gives it: name, role, scenario, its rig's numbers, columns, and the times between which its rows count.
+/// A run as Python gives it: name, role, scenario, unit, its rig's numbers, columns, and the times between which its rows
+/// count.
 type GivenRun<'py> = (
     String,
     String,
+    Option<String>,
     Option<String>,
     Vec<(String, f64)>,
     Vec<(String, PyReadonlyArray1<'py, f64>)>,
@@ -61,7 +63,7 @@ impl Campaign {
         if let Some(rate) = sample_rate_hz {
             builder = builder.sample_rate_hz(rate);
         }
-        for (name, role, scenario, rig, columns, (from_s, to_s)) in runs {
+        for (name, role, scenario, unit, rig, columns, (from_s, to_s)) in runs {
             let role = match role.as_str() {
                 "fit" => Role::Fit,
                 "holdout" => Role::Holdout,
@@ -74,6 +76,9 @@ impl Campaign {
             let mut run = RunColumns::new(name, role, columns).rig(rig);
             if let Some(scenario) = scenario {
                 run = run.scenario(scenario);
+            }
+            if let Some(unit) = unit {
+                run = run.unit(unit);
             }
             if let Some(from_s) = from_s {
                 run = run.from_s(from_s);

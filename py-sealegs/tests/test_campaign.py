@@ -7,6 +7,7 @@ import pandas
 import polars
 import pytest
 import sealegs
+import tomllib
 from conftest import built
 
 
@@ -108,3 +109,58 @@ def test_frames_come_back(read):
     assert read.frame(run, "polars").shape == (len(read.columns(run)["time_s"]), len(read.columns(run)))
     with pytest.raises(ValueError, match="'dask' is no library of frames"):
         read.frame(run, "dask")
+
+
+def two_units() -> tuple[dict, dict[str, str]]:
+    """Runs of two benches whose springs differ, by role and name, and the unit of each."""
+    time_s = np.arange(0, 1.5, 2e-3)
+    noise = np.random.default_rng(7)
+    roles: dict = {"fit": {}, "holdout": {}}
+    units = {}
+    for unit, stiffness_n_m in (("left", 655e3), ("right", 600e3)):
+        actuator = sealegs.actuator("thor-linear")
+        actuator.parameters["stiffness"]["value"] = stiffness_n_m
+        for role, phase in (("fit", 0.0), ("holdout", 1.0)):
+            current_a = 2 * np.sin(6.3 * time_s * (0.5 + 8 * time_s) + phase)
+            run = sealegs.simulate_bench(actuator, time_s=time_s, current_a=current_a)
+            forces = {name: run[name] + 2.0 * noise.standard_normal(len(time_s)) for name in ("force_1_n", "force_2_n")}
+            angle_rad = run["motor_angle_rad"] + 4.4e-4 * noise.standard_normal(len(time_s))
+            name = f"{unit}-{role}.csv"
+            roles[role][name] = {"time_s": time_s, "current_a": current_a, **forces, "motor_angle_rad": angle_rad}
+            units[name] = unit
+    return roles, units
+
+
+def test_each_of_several_units_has_values_and_a_model_file_of_its_own(tmp_path):
+    roles, units = two_units()
+    noise_std = {"force_1_n": 2.0, "force_2_n": 2.0, "motor_angle_rad": 4.4e-4}
+    given = dict(bench="locked", model="thor-linear", noise_std=noise_std, **roles)
+    campaign = sealegs.Campaign.from_frames("two legs", units=units, **given)
+    better = sealegs.add("coulomb-friction", campaign, progress=False)
+    assert [each.unit for each in better.units.each] == ["left", "right"]
+    assert "stiffness" in [differing.parameter for differing in better.units.differing]
+    stiffness = {}
+    for unit in ("left", "right"):
+        file = tomllib.loads(better.model_file(tmp_path, unit))
+        assert file["provenance"]["unit"] == unit
+        stiffness[unit] = file["parameters"]["stiffness"]["value"]
+    # The prior of the stiffness is 3 %, and the load cells' gains are free.
+    assert stiffness["right"] / stiffness["left"] == pytest.approx(600 / 655, rel=0.02)
+    with pytest.raises(sealegs.InputError, match="has the units 'left', 'right'"):
+        better.model_file(tmp_path)
+    with pytest.raises(sealegs.InputError, match="has no unit 'middle'; it has 'left', 'right'"):
+        better.model_file(tmp_path, "middle")
+    with pytest.raises(sealegs.InputError, match="units names a run 'lfet'"):
+        sealegs.Campaign.from_frames("two legs", units={"lfet": "left"}, **given)
+
+    # The same of files.
+    lines = ['bench = "locked"', 'actuator = "thor-linear"', "[noise_std]"]
+    lines += [f"{channel} = {std}" for channel, std in noise_std.items()]
+    for role, runs in roles.items():
+        for name, columns in runs.items():
+            table = np.column_stack(list(columns.values()))
+            np.savetxt(tmp_path / name, table, "%.17g", ",", header=",".join(columns), comments="")
+            lines += ["[[run]]", f'file = "{name}"', f'role = "{role}"', f'unit = "{units[name]}"']
+    (tmp_path / "campaign.toml").write_text("\n".join(lines))
+    of_files = sealegs.compare(sealegs.Campaign.read(tmp_path), progress=False)
+    assert of_files.units == sealegs.compare(campaign, progress=False).units

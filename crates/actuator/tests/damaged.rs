@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
-use sealegs_actuator::effect::{Effect, OwnEffect};
+use sealegs_actuator::effect::{Effect, Expression, OwnEffect};
 use sealegs_actuator::{ActuatorError, ActuatorSpec};
 use sealegs_damage::{cases, damaged, survives};
 use sealegs_model::{Excitation, InputHold, Model, Record, Signal};
@@ -41,6 +41,14 @@ fn simulate(model: &dyn Model) {
         let _ = model.predict(&values, &record, &["spring_deflection_rad".to_owned()]);
     }
 }
+
+/// Laws that damage begins with.
+const LAWS: [&str; 4] = [
+    "a*y_dot + b*abs(F_bs)*tanh(y_dot/v0)",
+    "-a^2^-y_dot*max(min(F_bs, 1.5e3), -square(b)) - (sqrt(abs(v0)) + ln(exp(b)))/(1 + cos(2*pi*y_dot)^2)",
+    "((((((((((((a))))))))))))*-(-(-(-(-(-b)))))",
+    "sign(y_dot)*(a + (b - a)*exp(-(y_dot/v0)^2))",
+];
 
 proptest! {
     #![proptest_config(cases(150))]
@@ -88,5 +96,36 @@ proptest! {
         if let Err(error) = OwnEffect::from_toml(&text, "own.toml") {
             names("own.toml", &error);
         }
+    }
+
+    #[test]
+    fn a_damaged_law_is_compiled_or_refused(
+        bytes in prop_oneof![
+            (0..LAWS.len()).prop_flat_map(|i| damaged(LAWS[i].as_bytes())),
+            r"([a-z0-9+*/^(),. -]|y_dot|F_bs|tanh\(|min\(|1e|-|\(|v0){0,200}".prop_map(String::into_bytes),
+            prop_oneof![Just("("), Just("-"), Just("a^"), Just("sin("), Just("min(a,"), Just("1+(")]
+                .prop_flat_map(|part| (0_usize..900).prop_map(move |n| part.repeat(n).into_bytes())),
+        ],
+        values in prop::array::uniform5(any::<f64>()),
+    ) {
+        survives(move || {
+            let law = text(bytes);
+            match Expression::parse(&law, &["y_dot", "F_bs", "a", "b", "v0"]) {
+                Ok(compiled) => {
+                    let value = compiled.value(&values);
+                    match compiled.checked(&values) {
+                        Ok(checked) => assert_eq!(checked.to_bits(), value.to_bits(), "{law}"),
+                        Err(fault) => assert!(fault.character <= law.chars().count(), "{fault:?} in {law}"),
+                    }
+                    let bound = compiled.bind(2, &values[2..]).value(&values[..2]);
+                    assert!(bound.to_bits() == value.to_bits() || bound.is_nan() && value.is_nan(), "{law}");
+                }
+                Err(fault) => {
+                    // A message's text may quote the law's own characters, but stays short.
+                    let end = law.chars().count() + 1;
+                    assert!((1..=end).contains(&fault.character) && fault.message.len() < 500, "{fault:?} in {law}");
+                }
+            }
+        });
     }
 }

@@ -152,7 +152,7 @@ fn a_log_that_is_not_what_it_says_is_not_diagnosed_unless_forced() {
     let done = sealegs(2, &["check", place, "--json", out.to_str().unwrap()]);
     assert_eq!(done.status.code(), Some(0));
     let text = String::from_utf8_lossy(&done.stdout);
-    let (sanity, runs) = (text.find("The log itself").unwrap(), text.find("\nRun ").unwrap());
+    let (sanity, runs) = (text.find("Checks of the log").unwrap(), text.find("\nRun ").unwrap());
     assert!(sanity < runs, "shown first: {text}");
     let told = &json(&out)["sanity"][0];
     for (key, value) in [("channel", "force_2_n"), ("problem", "flipped-sign"), ("severity", "stops")] {

@@ -1,9 +1,10 @@
 //! Damaged scenarios, robots and placements: whatever the text, reading ends soon with something that can be
 //! simulated without panic, or with a message that names the file.
 
+use nalgebra::Isometry3;
 use proptest::prelude::*;
 use sealegs_damage::{cases, damaged, survives};
-use sealegs_leg::robot::Robot;
+use sealegs_leg::robot::{LoadOptions, Robot};
 use sealegs_leg::scenario::{Scenario, preset_names, preset_text};
 use sealegs_leg::{Channels, LegError, run_robot};
 
@@ -32,6 +33,26 @@ const MESHES: [(&str, &[u8]); 3] = [
     ("obj", b"o s\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -4 -3 -2\n"),
     ("dae", include_bytes!("robot/faults/plate.dae")),
 ];
+
+/// Robots without actuators, each with a fault of its own beside what damage does to it.
+const ROBOTS: [&str; 12] = [
+    include_str!("../../../assets/robots/thor-leg.urdf"),
+    include_str!("../../../assets/robots/saffir-leg.urdf"),
+    include_str!("robot/faults/floating-base.urdf"),
+    include_str!("robot/faults/massless-frames.urdf"),
+    include_str!("robot/faults/massless-leaf.urdf"),
+    include_str!("robot/faults/mimic.urdf"),
+    include_str!("robot/faults/missing-meshes.urdf"),
+    include_str!("robot/faults/no-limits.urdf"),
+    include_str!("robot/faults/point-mass.urdf"),
+    include_str!("robot/faults/rounded-inertia.urdf"),
+    include_str!("robot/faults/triangle.urdf"),
+    include_str!("robot/faults/virtual-links.urdf"),
+];
+
+fn some_robot() -> impl Strategy<Value = Vec<u8>> {
+    (0..ROBOTS.len()).prop_flat_map(|i| damaged(ROBOTS[i].as_bytes()))
+}
 
 fn some_preset() -> impl Strategy<Value = Vec<u8>> {
     (0..preset_names().len()).prop_flat_map(|i| damaged(preset_text(preset_names()[i]).unwrap().as_bytes()))
@@ -62,6 +83,22 @@ proptest! {
             match robot(&text(bytes), placement) {
                 Ok(robot) => simulate(&Scenario::load("thor-drop", &[]).unwrap(), robot),
                 Err(error) => names(&["own.urdf", "own.actuators.toml"], &error),
+            }
+        });
+    }
+
+    #[test]
+    fn a_damaged_urdf_is_read_or_refused(bytes in some_robot(), strict in any::<bool>()) {
+        survives(move || {
+            let options = LoadOptions { strict, ..LoadOptions::default() };
+            match Robot::from_urdf_with(&text(bytes), "own.urdf", None, &options) {
+                Ok(robot) => {
+                    assert!(robot.mass_kg().is_finite() && robot.mass_kg() >= 0.0, "{} kg", robot.mass_kg());
+                    let postured = robot.posture(&Isometry3::identity(), &vec![0.0; robot.joints.len()]);
+                    assert_eq!(postured.world_from_link.len(), robot.links.len());
+                    let _ = robot.mirrored();
+                }
+                Err(error) => names(&["own.urdf"], &error),
             }
         });
     }

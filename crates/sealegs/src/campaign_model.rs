@@ -106,7 +106,7 @@ pub(crate) fn was_fitted_here(
     if own {
         let label = model.label(campaign);
         campaign.notes.push(format!(
-            "{label}: was fitted to runs of this campaign; its standard errors do not count as known beforehand"
+            "{label}: was fitted to runs of this campaign; its standard errors are not used as priors"
         ));
     }
     Ok(own)

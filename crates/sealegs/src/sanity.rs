@@ -13,13 +13,13 @@ pub fn text(findings: &[Finding]) -> String {
     if findings.is_empty() {
         return out;
     }
-    out.push_str("\nThe log itself\n");
+    out.push_str("\nChecks of the log\n");
     for finding in findings {
         let mark = if finding.stops() { "!" } else { " " };
         let _ = writeln!(out, "{mark} {}\n    {}", finding.evidence, finding.cure);
     }
     if findings.iter().any(Finding::stops) {
-        out.push_str("  What is marked with ! stops a diagnosis.\n");
+        out.push_str("  Findings marked with ! stop a diagnosis.\n");
     }
     out
 }
@@ -29,7 +29,7 @@ pub fn section(page: &mut Report, findings: &[Finding]) {
     if findings.is_empty() {
         return;
     }
-    page.section("The log itself");
+    page.section("Checks of the log");
     let mut table = Table::new().words("what was found").words("cure");
     for finding in findings {
         let cells = [finding.evidence.clone(), finding.cure.clone()];
@@ -39,7 +39,7 @@ pub fn section(page: &mut Report, findings: &[Finding]) {
             table.row(cells)
         };
     }
-    page.table(&table, "Found before anything was fitted. What stands out stops a diagnosis.");
+    page.table(&table, "Found before anything was fitted. Findings in bold stop a diagnosis.");
 }
 
 /// Refuses to go on with a log that is not what its header says, unless `force`.

@@ -41,6 +41,7 @@ class Campaign:
         noise_std: Mapping[str, float] | None = None,
         inputs: Iterable[str] = (),
         scenarios: Mapping[str, str] | None = None,
+        units: Mapping[str, str] | None = None,
         rig: Mapping[str, float] | None = None,
         rigs: Mapping[str, Mapping[str, float]] | None = None,
         span_s: Mapping[str, tuple[float | None, float | None]] | None = None,
@@ -58,10 +59,12 @@ class Campaign:
             ``joint_torque_nm`` in N m, ``voltage_v`` in V, ``position_rad`` in rad; a bench needs exactly one), and
             outputs (``force_1_n``, ``motor_angle_rad``, ...). Columns of a leg and of a robot carry their place:
             ``knee.angle_rad``, ``knee.force_1_n``.
-        :param holdout: the runs that judge once, at the end.
+        :param holdout: the held-out runs, scored once, at the end.
         :param noise_std: one standard deviation of a channel's noise, in its unit; otherwise it is estimated.
         :param inputs: for a leg, the columns that are commands.
         :param scenarios: for a leg, runs that have another scenario than ``model``.
+        :param units: which of several units of a kind each run was recorded on (``"left"``), by run: every run must then
+            have one. Each unit has values of its own; the effects are shared.
         :param rig: the bench's own numbers: of a pendulum ``mass_kg``, ``length_m``, ``rod_mass_kg`` and ``arm_m``, of
             the bench ``"free"`` ``mass_kg`` or ``inertia_kg_m2`` (kg m^2), of both ``servo_gain`` (a ratio).
         :param rigs: runs whose numbers differ from ``rig``, by run.
@@ -71,7 +74,7 @@ class Campaign:
 
         Raises :class:`InputError` naming run, row and column.
         """
-        _known_runs({"scenarios": scenarios, "rigs": rigs, "span_s": span_s}, [*fit, *(holdout or {})])
+        _known_runs({"scenarios": scenarios, "units": units, "rigs": rigs, "span_s": span_s}, [*fit, *(holdout or {})])
         runs = []
         for role, tables in (("fit", fit), ("holdout", holdout or {})):
             for run, table in tables.items():
@@ -79,7 +82,8 @@ class Campaign:
                 from_s, to_s = (span_s or {}).get(run, (None, None))
                 numbers = {**(rig or {}), **(rigs or {}).get(run, {})}
                 own = [(key, float(number)) for key, number in numbers.items()]
-                runs.append((str(run), role, (scenarios or {}).get(run), own, columns, (from_s, to_s)))
+                scenario, unit = ((said or {}).get(run) for said in (scenarios, units))
+                runs.append((str(run), role, scenario, unit, own, columns, (from_s, to_s)))
         noise = [(channel, float(std)) for channel, std in (noise_std or {}).items()]
         return cls(_core.Campaign.build(name, bench, model, runs, noise, list(inputs), hold, sample_rate_hz))
 

@@ -58,6 +58,7 @@ class Campaign:
                 str,
                 str,
                 str | None,
+                str | None,
                 list[tuple[str, float]],
                 list[tuple[str, NDArray[np.float64]]],
                 tuple[float | None, float | None],

@@ -32,7 +32,7 @@ impl Effect for CommandQuantisation {
             equation:
                 "count floor(abs(u)/count + rounding/2) sign(u): rounding 0 truncates toward zero, 1 rounds"
                     .to_owned(),
-            validity: "Felt at small commands; the count is in the command's unit.".to_owned(),
+            validity: "Matters at small commands; the count is in the command's unit.".to_owned(),
             reference: "Quantisation of digital-to-analogue conversion".to_owned(),
             parameters,
             symbols: "u: command".to_owned(),

@@ -28,7 +28,7 @@ impl Effect for CurrentSaturation {
             summary: "The drive delivers no more than a limit current.".to_owned(),
             acts_on: "drive".to_owned(),
             equation: "I clipped to +-I_max".to_owned(),
-            validity: "Felt only where the command passes the limit.".to_owned(),
+            validity: "Matters only where the command exceeds the limit.".to_owned(),
             reference: "Dissertation section 4-6-1".to_owned(),
             parameters,
             symbols: "I: commanded current; I_max: limit".to_owned(),

@@ -36,7 +36,7 @@ impl Effect for VoltageSaturation {
             summary: "The bus voltage minus the back-EMF limits the current.".to_owned(),
             acts_on: "drive".to_owned(),
             equation: "I clipped to (+-V_bus - K_tau theta') / R".to_owned(),
-            validity: "Felt at high speed and current; the winding's inductance is left out.".to_owned(),
+            validity: "Matters at high speed and current; the winding's inductance is left out.".to_owned(),
             reference: "D. Hanselman, Brushless Permanent-Magnet Motor Design; dissertation section 4-7"
                 .to_owned(),
             parameters,

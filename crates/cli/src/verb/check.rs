@@ -171,7 +171,7 @@ fn text(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> S
         let prior = p.prior_std.map_or_else(|| "unknown".to_owned(), |s| figures(s, 2));
         let _ = writeln!(
             out,
-            "  {:<22} {:>12} ± {:<10} {:<8} known before: {prior}{}",
+            "  {:<22} {:>12} ± {:<10} {:<8} prior: {prior}{}",
             p.name,
             figures(p.value, 5),
             figures(p.std, 2),
@@ -180,7 +180,7 @@ fn text(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> S
         );
     }
     for (a, b, value) in &found.correlated {
-        let _ = writeln!(out, "  {a} and {b} would hardly be told apart (correlation {value:.3})");
+        let _ = writeln!(out, "  {a} and {b} would hardly be distinguishable (correlation {value:.3})");
     }
     let _ = writeln!(
         out,

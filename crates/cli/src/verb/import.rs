@@ -185,7 +185,7 @@ fn campaign(folder: &Path, logs: &[(&Path, &Survey)]) -> anyhow::Result<String> 
         let role = if i > 0 && i + 1 == logs.len() { "holdout" } else { "fit" };
         let _ = write!(out, "\n[[run]]\nfile = {}\nrole = \"{role}\"\n", quoted(&relative(folder, file)?));
         if i == 0 && logs.len() == 1 {
-            out.push_str("# TODO: a second run with role = \"holdout\" judges\n");
+            out.push_str("# TODO: add a run with role = \"holdout\", which the fit does not see\n");
         }
     }
     Ok(out)

@@ -43,7 +43,7 @@ pub fn run(_: &List) -> anyhow::Result<u8> {
     out.push_str("campaigns\n");
     let _ = writeln!(
         out,
-        "  {:<20}three drops to fit on and one to judge by; `sealegs tour` unpacks it",
+        "  {:<20}three drops to fit and one held out; `sealegs tour` unpacks it",
         "leg-drop"
     );
     let _ = writeln!(

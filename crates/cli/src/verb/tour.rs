@@ -82,7 +82,7 @@ pub fn run(arguments: &Tour) -> anyhow::Result<u8> {
         add(folder, &campaign, &outcome.effects, command)?;
         let heights = HEIGHTS_M.map(|h| h.to_string()).join(",");
         let command = format!("sealegs impact {} --heights {heights} --springs compliant", better.display());
-        step("5. What the missing effect would have cost in predicted impact forces.", &command)?;
+        step("5. How the missing effect changes the predicted impact forces.", &command)?;
         let before = drops(MODEL, &folder.join("5-impact-before.json"))?;
         let after = drops(&better.to_string_lossy(), &folder.join("5-impact-after.json"))?;
         let actuator = first.split('/').next().unwrap_or_default();
@@ -231,7 +231,7 @@ fn impact_page(peaks: &[Peak], effects: &[String]) -> String {
         bars,
         ..BarChart::default()
     };
-    let mut page = Report::new("What the missing effect costs at impact");
+    let mut page = Report::new("What the missing effect changes at impact");
     if let Some(worst) = peaks.iter().reduce(|a, b| if b.change().abs() > a.change().abs() { b } else { a }) {
         let sentence = format!(
             "Without {} the model predicts {:.0} N for the {}; with it {:.0} N ({:+.1} %).",

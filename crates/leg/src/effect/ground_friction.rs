@@ -25,7 +25,7 @@ impl LegEffect for GroundFriction {
             summary: "A sole that slips sooner or later than assumed.".to_owned(),
             acts_on: FOOT.to_owned(),
             equation: "T at most (mu + change) N".to_owned(),
-            validity: "Felt only where the sole slips, or would.".to_owned(),
+            validity: "Matters only where the sole slips, or would.".to_owned(),
             reference: "C. A. Coulomb 1785".to_owned(),
             parameters: vec![with_neutral(with_starts(change, [-0.85 * own, 0.2]), 0.0)],
             symbols: "T: tangential force; N: normal force; mu: the scenario's coefficient".to_owned(),

@@ -58,7 +58,7 @@ pub struct Compared<'a> {
     pub parts: Vec<Part<'a>>,
     /// What seems wrong with the log itself.
     pub sanity: Vec<Finding>,
-    /// Where the residual sits, all runs together.
+    /// Where the residual is, all runs together.
     pub location: Location,
     /// What it depends on.
     pub tests: Vec<StructureTest>,
@@ -163,7 +163,7 @@ impl<'a> Compared<'a> {
             format!("The model is at the noise floor {what}: {figure} noise units on the {runs} runs.")
         } else {
             format!(
-                "The model misses the {runs} runs by {figure} noise units {what}; the noise floor is {:.2}.",
+                "The error on the {runs} runs is {figure} noise units {what}; the noise floor is {:.2}.",
                 self.floor
             )
         }

@@ -39,8 +39,7 @@ pub fn of(compared: &Compared, summary: &Summary, command: &str) -> String {
             page.table(
                 &ports(&summary.missing_signals, |_| None),
                 "What an observer needs at each port to follow the measured motion, and what each sensor shows beyond it, root \
-                 mean square over the fit runs; the noise is what the sensors' noise alone would leave. The share is foreseen \
-                 on left-out blocks.",
+                 mean square over the fit runs; the noise is what the sensors' noise alone would leave. The share is predicted on left-out blocks.",
             );
         });
     }
@@ -160,7 +159,7 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
             next.push("Find the effect that is missing:".to_owned());
             next.push(format!("$ {}", command_of_diagnosis(command)));
         }
-        let mut cards = vec![("Where the residual sits", located), ("What it depends on", follows)];
+        let mut cards = vec![("Where the residual is", located), ("What it depends on", follows)];
         cards.push(("What to do next", next));
         cards.retain(|(_, lines)| !lines.is_empty());
         page.cards(&cards);
@@ -231,9 +230,9 @@ pub(crate) fn place(page: &mut Report, compared: &Compared) {
     let worst = compared.location.worst(5);
     let mut axes: Vec<String> = compared.location.regions.iter().map(Region::subject).collect();
     axes.dedup();
-    page.details("Where the residual sits", |page| {
+    page.details("Where the residual is", |page| {
         if worst.is_empty() {
-            page.paragraph("The residual sits nowhere in particular.");
+            page.paragraph("The residual is spread evenly.");
         } else {
             page.list(&worst.iter().map(|r| r.sentence()).collect::<Vec<_>>());
         }
@@ -362,7 +361,7 @@ fn values(page: &mut Report, compared: &Compared) {
         if fit.std_inflation > 1.5 {
             page.remark(
                 "The residual is not noise. Standard errors follow from how far stretches of the runs disagree; they \
-                 say how far the values would wander under the same wrong model, not how far they are from the truth.",
+                 say how far the values would vary under the same wrong model, not how far they are from the true ones.",
             );
         }
         page.table(&sensors, "Sensors: measured = gain x true + bias.");

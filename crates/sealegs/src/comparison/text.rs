@@ -41,7 +41,7 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
         let _ = write!(out, "\nParameters\n{}", parameter_lines(&parameters(fit)));
         for c in fit.correlations(0.95) {
             let (a, b) = (&fit.parameters[c.first].name, &fit.parameters[c.second].name);
-            let _ = writeln!(out, "  {a} and {b} are hardly told apart (correlation {:.3})", c.value);
+            let _ = writeln!(out, "  {a} and {b} are hardly distinguishable (correlation {:.3})", c.value);
         }
         if fit.std_inflation > 1.5 {
             let _ = writeln!(
@@ -100,9 +100,9 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
         );
     }
     let worst = compared.location.worst(5);
-    let _ = writeln!(out, "\nWhere it sits");
+    let _ = writeln!(out, "\nWhere the residual is");
     if worst.is_empty() {
-        let _ = writeln!(out, "  Nowhere in particular.");
+        let _ = writeln!(out, "  Spread evenly.");
     }
     for region in worst {
         let _ = writeln!(out, "  {}", region.sentence());

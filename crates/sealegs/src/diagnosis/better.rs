@@ -170,7 +170,7 @@ impl Addition {
             _ => {
                 let _ = writeln!(
                     o,
-                    "  no held-out runs: nothing judges the effect but the runs that it was fitted to"
+                    "  no held-out runs: the error is that of the runs that were fitted"
                 );
             }
         }
@@ -265,8 +265,7 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
     };
     let runs = if added.before_holdout.is_some() { "held-out" } else { "fit" };
     let sentence = format!(
-        "Added {}: the error on the {runs} runs goes from {:.3} to {:.3} noise units (floor {floor:.2}); {} of the energy above \
-         the floor is left.",
+        "Added {}: the error on the {runs} runs goes from {:.3} to {:.3} noise units (noise floor {floor:.2}); {} of the residual energy above the noise floor is left.",
         added.effects.join(" + "),
         base.holdout_error,
         after.holdout_error,

@@ -60,8 +60,7 @@ impl Confidence {
             "added" => return Self::default(),
             "unexplained" => {
                 reasons.push(format!(
-                    "No known effect, alone or with others, helps on the held-out runs: the base model misses them by {} \
-                     noise units.",
+                    "No known effect, alone or with others, lowers the error on the held-out runs: {} noise units with the base model.",
                     error(o.base.holdout_error)
                 ));
                 reasons.extend(o.remainder.iter().take(MOST).cloned());
@@ -69,13 +68,13 @@ impl Confidence {
             }
             "partly-explained" => {
                 reasons.push(format!(
-                    "It explains a part: {} of the residual's energy above the noise floor stays and has structure.",
+                    "It explains a part: {} of the residual's energy above the noise floor remains and is structured.",
                     super::outcome::percent(o.unexplained_share)
                 ));
                 reasons.extend(o.remainder.iter().take(2).cloned());
             }
             _ if stays => reasons.push(format!(
-                "Something stays: the held-out runs end at {} noise units, the noise floor is {}.",
+                "A residual remains: the held-out error is {} noise units, the noise floor {}.",
                 error(side.holdout_error),
                 error(floor)
             )),
@@ -103,7 +102,7 @@ impl Confidence {
             "adequate" => format!("The base model predicts the held-out runs to the noise floor ({floor})."),
             _ => format!(
                 "It brings the held-out runs to the noise floor ({floor}), no other effect of the catalogue does it with as few \
-                 parameters, and no parameter of the base model leaves the range in which it is known."
+                 parameters, and no parameter of the base model ends at a bound or far from its nominal value."
             ),
         });
         Self { level: Level::Sure, reasons, intervals_conditional: false }

@@ -216,7 +216,7 @@ fn judged(o: &Outcome) -> Vec<String> {
             ));
             lines.extend(o.worst_channel().map(|w| format!("Root mean square, held-out: {w}.")));
             lines.push(format!(
-                "{} of the energy above the noise floor is left.",
+                "{} of the residual energy above the noise floor is left.",
                 capital(&percent(o.unexplained_share))
             ));
         }
@@ -227,11 +227,11 @@ fn judged(o: &Outcome) -> Vec<String> {
         )),
     }
     if !o.traces.is_empty() {
-        lines.push(format!("Traces, below 1 % of the error: {}.", o.traces.join(", ")));
+        lines.push(format!("Minor effects, below 1 % of the error: {}.", o.traces.join(", ")));
     }
     let stop = o.sanity.iter().filter(|f| f.stops()).count();
     if stop > 0 {
-        lines.push(format!("The log itself has {stop} faults that would stop a diagnosis (below)."));
+        lines.push(format!("The log has {stop} faults that would stop a diagnosis (below)."));
     }
     lines
 }

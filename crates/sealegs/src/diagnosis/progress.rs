@@ -16,6 +16,6 @@ pub fn message(progress: &Progress) -> String {
             let names: Vec<String> = sets.iter().map(|s| s.join(" + ")).collect();
             format!("fitting {} sets: {}", sets.len(), names.join(", "))
         }
-        Progress::Judging => "judging on the holdout runs".to_owned(),
+        Progress::Judging => "scoring the held-out runs".to_owned(),
     }
 }

@@ -33,23 +33,23 @@ pub(super) fn sentence(o: &Outcome) -> String {
     match (o.verdict, &o.after) {
         ("adequate", _) => format!(
             "Nothing is missing: with its own parameters refitted, the base model is at the noise floor on the held-out \
-             runs (error {:.3}, floor {floor:.2} noise units).",
+             runs (error {:.3}, noise floor {floor:.2} noise units).",
             o.base.holdout_error
         ),
         ("missing-effect", Some(after)) => format!(
-            "Missing: {set}. It takes the error on the held-out runs from {base} to {:.3} noise units (floor {floor:.2}); \
-             {} of the energy above the floor is left.{pictured}",
+            "Missing: {set}. It takes the error on the held-out runs from {base} to {:.3} noise units (noise floor {floor:.2}); \
+             {} of the residual energy above the noise floor is left.{pictured}",
             after.holdout_error,
             percent(o.unexplained_share)
         ),
         ("partly-explained", Some(after)) => format!(
             "Partly explained: {set} takes the error on the held-out runs from {base} to {} noise units, but {} of the \
-             energy above the floor ({floor:.2}) stays and has structure.{pictured}{law}",
+             residual energy above the noise floor ({floor:.2}) remains and is structured.{pictured}{law}",
             said(after.holdout_error),
             percent(o.unexplained_share)
         ),
         _ => format!(
-            "Unexplained: the base model misses the held-out runs by {base} noise units (floor {floor:.2}), and no known \
+            "Unexplained: the base model leaves an error of {base} noise units on the held-out runs (noise floor {floor:.2}), and no known \
              effect, alone or with others, explains that.{pictured}{law}"
         ),
     }

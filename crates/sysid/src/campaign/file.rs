@@ -250,7 +250,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
                 || before.from_s.zip(entry.to_s).is_some_and(|(a, b)| a >= b);
             if !apart {
                 let problem = format!(
-                    "'{}' has two roles on the same rows: a held-out run judges, it is never fitted",
+                    "'{}' has two roles on the same rows: a held-out run is never fitted",
                     entry.name()
                 );
                 return Err(Error::bad(path, entry.line, Some("file"), problem));

@@ -1,4 +1,4 @@
-//! Where the residual sits: by channel, run, speed, direction, load, deflection, rotor angle, amplitude,
+//! Where the residual is: by channel, run, speed, direction, load, deflection, rotor angle, amplitude,
 //! time since the last reversal, time in the run, and frequency band; on a leg, by each actuator's.
 //!
 //! Each axis cuts the samples into regions. A region with a share of the squared error that is much larger
@@ -54,7 +54,7 @@ impl Region {
             percent => format!("{percent:.0}"),
         };
         format!(
-            "{:.0} % of the squared error sits in {share} % of the {of}: {} {} (error {} noise units there, {} elsewhere).",
+            "{:.0} % of the squared error is in {share} % of the {of}: {} {} (error {} noise units there, {} elsewhere).",
             100.0 * self.error_share,
             self.subject(),
             self.label,

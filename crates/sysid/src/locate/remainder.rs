@@ -23,7 +23,7 @@ pub fn remainder(parts: &[(&Data, &Evaluation)]) -> Vec<String> {
     }
     let mut said = Vec::new();
     if let Some((from, to)) = band::narrowest(parts, MOST) {
-        said.push(format!("Half of what is left lies between {} and {} Hz.", short(from), short(to)));
+        said.push(format!("Half of the residual lies between {} and {} Hz.", short(from), short(to)));
     }
     let tests = structure::tests(parts);
     let follows = tests.iter().filter(|t| t.on != structure::OWN_PAST && t.depends());

@@ -23,7 +23,7 @@ fn no_holdout(campaign: &Campaign) -> Option<Finding> {
         Severity::Stops,
         "",
         format!("none of the {} runs has the role \"holdout\"", campaign.runs.len()),
-        "keep one run apart to judge, best of another kind and amplitude".to_owned(),
+        "hold one run out, best of another kind and amplitude".to_owned(),
     )
 }
 

@@ -117,7 +117,7 @@ pub const RULES: [Rule; 13] = [
         measure: "missing role",
         remark: 1.0,
         stop: Some(1.0),
-        origin: "without a run that judges there is no verdict",
+        origin: "without a held-out run there is no verdict",
     },
 ];
 
