@@ -388,7 +388,8 @@ impl Pair<'_> {
             let over = r * r / (re * re + im * im);
             mass.mass * (1.0 + over * re).hypot(over * im)
         };
-        let graph = Graph::new("Apparent mass of an accelerated link", ("frequency", "Hz"), ("apparent mass", "kg"));
+        let graph =
+            Graph::new("Apparent mass of an accelerated link", ("frequency", "Hz"), ("apparent mass", "kg"));
         Some(graph.sweep("", (0.0, 3.0 * own_hz), apparent))
     }
 

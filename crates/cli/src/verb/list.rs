@@ -41,11 +41,8 @@ pub fn run(_: &List) -> anyhow::Result<u8> {
         let _ = writeln!(out, "  {name:<20}{} (spring: {})", spec.description, spec.spring.settings());
     }
     out.push_str("campaigns\n");
-    let _ = writeln!(
-        out,
-        "  {:<20}three drops to fit and one held out; `sealegs tour` unpacks it",
-        "leg-drop"
-    );
+    let _ =
+        writeln!(out, "  {:<20}three drops to fit and one held out; `sealegs tour` unpacks it", "leg-drop");
     let _ = writeln!(
         out,
         "  {:<20}`sealegs mystery -o FOLDER` makes one with something hidden in it",

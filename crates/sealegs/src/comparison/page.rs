@@ -39,7 +39,8 @@ pub fn of(compared: &Compared, summary: &Summary, command: &str) -> String {
             page.table(
                 &ports(&summary.missing_signals, |_| None),
                 "What an observer needs at each port to follow the measured motion, and what each sensor shows beyond it, root \
-                 mean square over the fit runs; the noise is what the sensors' noise alone would leave. The share is predicted on left-out blocks.",
+                 mean square over the fit runs; the noise is what the sensors' noise alone would leave. The \
+                 share is predicted on left-out blocks.",
             );
         });
     }

@@ -168,10 +168,7 @@ impl Addition {
                 let _ = writeln!(o, "  {:<22} {:>9.3} {:>10.3}", "held-out runs", b.rms, a.rms);
             }
             _ => {
-                let _ = writeln!(
-                    o,
-                    "  no held-out runs: the error is that of the runs that were fitted"
-                );
+                let _ = writeln!(o, "  no held-out runs: the error is that of the runs that were fitted");
             }
         }
         let _ = writeln!(o, "\n  parameters");
@@ -265,7 +262,8 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
     };
     let runs = if added.before_holdout.is_some() { "held-out" } else { "fit" };
     let sentence = format!(
-        "Added {}: the error on the {runs} runs goes from {:.3} to {:.3} noise units (noise floor {floor:.2}); {} of the residual energy above the noise floor is left.",
+        "Added {}: the error on the {runs} runs goes from {:.3} to {:.3} noise units (noise floor {floor:.2}); \
+         {} of the residual energy above the noise floor is left.",
         added.effects.join(" + "),
         base.holdout_error,
         after.holdout_error,

@@ -60,7 +60,8 @@ impl Confidence {
             "added" => return Self::default(),
             "unexplained" => {
                 reasons.push(format!(
-                    "No known effect, alone or with others, lowers the error on the held-out runs: {} noise units with the base model.",
+                    "No known effect, alone or with others, lowers the error on the held-out runs: {} noise \
+                     units with the base model.",
                     error(o.base.holdout_error)
                 ));
                 reasons.extend(o.remainder.iter().take(MOST).cloned());

@@ -132,7 +132,8 @@ fn ranking(page: &mut Report, o: &Outcome) {
         page.figure(&chart, "Sets of effects in the order of cross-validation on the fit runs.");
         page.table(
             &table,
-            "Evidence is the log-likelihood gained over the base model on stretches of the fit runs that were left out of the fit (cross-validation); 10 is already decisive. The held-out runs took no part in the order.",
+            "Evidence is the log-likelihood gained over the base model on stretches of the fit runs that were \
+             left out of the fit (cross-validation); 10 is already decisive. The held-out runs took no part in the order.",
         );
     });
 }
@@ -187,7 +188,8 @@ fn ports(page: &mut Report, o: &Outcome) {
         page.table(
             &crate::comparison::page::ports(&o.missing_signals, after),
             "What an observer needs at each port to follow the measured motion, and what each sensor shows beyond it, root mean \
-             square over the fit runs; the noise is what the sensors' noise alone would leave. The share is predicted on left-out blocks.",
+             square over the fit runs; the noise is what the sensors' noise alone would leave. The share is \
+             predicted on left-out blocks.",
         );
     });
 }

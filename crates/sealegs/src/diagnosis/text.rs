@@ -72,7 +72,8 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
         }
         let _ = writeln!(
             o,
-            "  (evidence: log-likelihood gained over the base model on left-out stretches of the fit runs, by cross-validation)"
+            "  (evidence: log-likelihood gained over the base model on left-out stretches of the fit runs, by \
+             cross-validation)"
         );
     }
     if let Some(units) = &outcome.units {
