@@ -214,6 +214,7 @@ fn search<'a>(
         progress,
     };
     let best = search.run();
+    search.confirm_rivals(best);
     let (chosen, mut tied) = search.ties(best);
     let chosen = search.in_parts(chosen, &mut tied);
     let search::Search { models, mut tried, promises, .. } = search;

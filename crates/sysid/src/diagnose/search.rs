@@ -22,6 +22,11 @@ const RIVALS: usize = 3;
 /// Effects of the screening in open loop that are fitted.
 const OPEN_LOOP: usize = 4;
 
+/// What effects at the drive and at sensors act on, by their cards.
+const DRIVE: &str = "drive";
+/// See [`DRIVE`].
+const SENSOR: &str = "sensor";
+
 /// The search's state.
 pub(super) struct Search<'a> {
     pub models: Models<'a>,
@@ -401,6 +406,45 @@ impl Search<'_> {
         let mean = |i: usize| self.mean_square(i);
         let rival = fitted.into_iter().filter(|&i| self.tried[i].effects.len() <= effects.len());
         rival.fold(best, |a, b| if mean(b) < mean(a) { b } else { a })
+    }
+
+    /// Fits what may be a set that explains everything by another name, before its ties are told: an effect at all sensors in
+    /// the place of one at the drive, as a delay of the command is one of every sensor and an observer follows the sensors;
+    /// and sets of no more effects that leave next to nothing, under the base model's other discrete choices, as a sample of
+    /// one delay may be the stamp's convention beside another.
+    pub fn confirm_rivals(&mut self, best: usize) {
+        let set = &self.tried[best];
+        if self.models.dear || set.effects.is_empty() || !self.models.is_settled(set, &self.tried[0]) {
+            return;
+        }
+        let (effects, size) = (set.effects.clone(), set.effects.len());
+        let cards = self.models.exact.effects(&self.models.seen);
+        let acts_on = |id: &String, port: &str| cards.iter().any(|c| c.id == *id && c.acts_on == port);
+        let everywhere: Vec<String> = self
+            .admitted
+            .iter()
+            .filter(|id| acts_on(id, SENSOR) && !id.contains('@') && !effects.contains(id))
+            .cloned()
+            .collect();
+        for leaving in effects.iter().filter(|id| acts_on(id, DRIVE)) {
+            let rest = Candidate { effects: all_but(&effects, leaving), ..self.tried[best].clone() };
+            for rival in &everywhere {
+                let with = self.set_with(&rest, std::slice::from_ref(rival));
+                self.index_of(&with, best);
+            }
+        }
+        let near = NEAR_FLOOR * self.models.data.floor;
+        let is_near = |t: &Candidate| t.effects.len() <= size && t.fit.error() <= near;
+        let rivals: Vec<usize> =
+            (1..self.tried.len()).filter(|&i| i != best && is_near(&self.tried[i])).collect();
+        let (models, tried) = (&self.models, &self.tried);
+        let settled: Vec<Candidate> =
+            rivals.par_iter().map(|&i| models.settled(tried[i].clone()).0).collect();
+        for (i, settled) in rivals.into_iter().zip(settled) {
+            if settled.fit.cost < self.tried[i].fit.cost {
+                self.tried[i] = settled;
+            }
+        }
     }
 
     /// Some members of a set that explains everything, fitted under the observer: what they leave there tells what is worth a
