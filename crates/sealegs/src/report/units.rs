@@ -70,7 +70,11 @@ fn fixed(value: f64, last: i32) -> String {
 /// What a parameter is called without its effect, its place and its unit: `force` of `knee/coulomb-friction.force_n`.
 pub(crate) fn symbol(parameter: &str) -> String {
     let name = parameter.rsplit_once('.').map_or(parameter, |(_, name)| name);
-    let known = ["_n_per_m", "_rad_s", "_m_s", "_nm", "_kg", "_hz", "_rad", "_n", "_m", "_s", "_a", "_v"];
+    // Whole before their own ends: `stiffness_n_m` is a stiffness, not a `stiffness n`.
+    let known = [
+        "_n_s2_m2", "_n_s_m", "_n_per_m", "_nm_rad", "_nm_s", "_n_m3", "_n_m", "_rad_s", "_m_s", "_s_m",
+        "_per_k", "_nm", "_kg", "_hz", "_ohm", "_rad", "_n", "_m", "_s", "_a", "_v", "_j",
+    ];
     let suffix = known.iter().find(|s| name.len() > s.len() && name.ends_with(**s));
     let unit = suffix.filter(|_| Unit::of_channel(name).is_ok() || !name.ends_with("_a"));
     unit.map_or(name, |s| &name[..name.len() - s.len()]).replace('_', " ")
@@ -113,6 +117,8 @@ mod tests {
         assert_eq!(symbol("knee/coulomb-friction.force_n"), "force");
         assert_eq!(symbol("backlash.gap_m"), "gap");
         assert_eq!(symbol("stribeck-friction.speed_m_s"), "speed");
+        assert_eq!(symbol("spring-hysteresis.stiffness_n_m"), "stiffness");
+        assert_eq!(symbol("quadratic-drag.coefficient_n_s2_m2"), "coefficient");
         assert_eq!(symbol("torque-ripple.cycles_per_rev"), "cycles per rev");
     }
 }
