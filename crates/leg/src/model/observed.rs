@@ -35,7 +35,7 @@ const TURNED_RAD: f64 = 1e-3;
 pub(super) fn zeros(case: &Case) -> Vec<Parameter> {
     let zero = |joint: &str| Parameter {
         prior_std: Some(ZERO_STD_RAD),
-        ..Parameter::new(&format!("{joint}/encoder_zero"), "rad", 0.0, -GREATEST_ZERO_RAD, GREATEST_ZERO_RAD)
+        ..Parameter::new(format!("{joint}/encoder_zero"), "rad", 0.0, -GREATEST_ZERO_RAD, GREATEST_ZERO_RAD)
     };
     case.robot.moving_joints().map(|joint| zero(&joint.name)).collect()
 }
