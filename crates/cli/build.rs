@@ -1,4 +1,5 @@
-//! Puts the commit into the version, where the sources are a git checkout.
+//! Puts the commit into the version, where the sources are a git checkout, and has functions of the same code linked once,
+//! where the linker can.
 
 use std::path::Path;
 use std::process::Command;
@@ -11,6 +12,40 @@ fn main() {
     let commit = std::env::var("SEALEGS_COMMIT").ok().filter(|c| !c.is_empty()).or_else(commit);
     let said = commit.map_or_else(|| version.to_owned(), |commit| format!("{version} ({commit})"));
     println!("cargo::rustc-env=SEALEGS_VERSION={said}");
+    // A million bytes of the program: generics that differ in their types alone. No address of a function is compared.
+    if links_with(FOLDED) {
+        println!("cargo::rustc-link-arg-bins={FOLDED}");
+    }
+}
+
+/// Identical code folding of LLVM's linker, which is Rust's own on Linux; GNU's has none.
+const FOLDED: &str = "-Wl,--icf=all";
+
+/// Whether a program of nothing links for Linux with an argument, by the linker and the flags of this build.
+fn links_with(argument: &str) -> bool {
+    let variable = |name| std::env::var(name).ok();
+    let (Some(target), Some(out), Some(rustc)) = (variable("TARGET"), variable("OUT_DIR"), variable("RUSTC"))
+    else {
+        return false;
+    };
+    if !target.contains("-linux-") {
+        return false;
+    }
+    let (source, program) = (Path::new(&out).join("nothing.rs"), Path::new(&out).join("nothing"));
+    if std::fs::write(&source, "fn main() {}").is_err() {
+        return false;
+    }
+    let mut command = Command::new(rustc);
+    command
+        .args(["--target", &target])
+        .arg(&source)
+        .arg("-o")
+        .arg(&program)
+        .arg(format!("-Clink-arg={argument}"));
+    command.args(variable("RUSTC_LINKER").map(|linker| format!("-Clinker={linker}")));
+    let flags = variable("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default();
+    command.args(flags.split('\u{1f}').filter(|flag| !flag.is_empty()));
+    command.output().is_ok_and(|done| done.status.success())
 }
 
 /// The commit of the checkout that these sources are the top of; none in an archive, even inside another checkout.
