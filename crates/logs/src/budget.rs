@@ -4,8 +4,8 @@
 const MOST_NUMBERS: usize = 200_000_000;
 
 /// Numbers that any file may hold, however small it is: run lengths and compression make many numbers of few bytes.
-/// Half a gigabyte of them.
-const FREE_NUMBERS: usize = 60_000_000;
+/// A third of a gigabyte of them; a decoder holds them twice, as bytes and as numbers, and a survey once more.
+const FREE_NUMBERS: usize = 40_000_000;
 
 /// Most columns of one table: no rig has so many, and a file that is no table at all may seem to.
 pub(crate) const MOST_COLUMNS: usize = 10_000;

@@ -34,22 +34,19 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
     })
 }
 
-/// Whether a chunk of a file is packed.
-fn is_packed(mut bytes: &[u8]) -> bool {
-    let mut reader = LinearReader::new_with_options(options().with_emit_chunks(true));
-    // What is wrong is said where the records are read.
-    while let Some(Ok(event)) = reader.next_event() {
-        match event {
-            LinearReadEvent::ReadRequest(wanted) => bytes = fed(&mut reader, wanted, bytes),
-            LinearReadEvent::Record { opcode: op::CHUNK, data } => {
-                if let Ok(Record::Chunk { header, .. }) = mcap::parse_record(op::CHUNK, data)
-                    && !header.compression.is_empty()
-                {
-                    return true;
-                }
-            }
-            LinearReadEvent::Record { .. } => {}
+/// Whether a chunk of a file is packed, by the chunks' headers alone: the last chunk may be cut off.
+fn is_packed(bytes: &[u8]) -> bool {
+    // Start, end, size and checksum of the chunk, before the length of its compression's name.
+    const BEFORE_NAME: usize = 28;
+    let mut rest = bytes.get(MAGIC.len()..).unwrap_or_default();
+    while let Some((&[opcode, ref length @ ..], body)) = rest.split_first_chunk::<9>() {
+        let name_length = body.get(BEFORE_NAME..BEFORE_NAME + 4);
+        if opcode == op::CHUNK && name_length.is_some_and(|length| length != [0; 4]) {
+            return true;
         }
+        let length = usize::try_from(u64::from_le_bytes(*length)).ok();
+        let Some(after) = length.and_then(|length| body.get(length..)) else { return false };
+        rest = after;
     }
     false
 }

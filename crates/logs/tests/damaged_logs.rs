@@ -158,3 +158,12 @@ fn a_packed_chunk_whose_end_never_comes_is_refused() {
         });
     }
 }
+
+/// Found by a million damaged files: the chunk claims more bytes than the file has left, and its frame has lost a byte.
+#[test]
+fn a_packed_chunk_that_is_cut_off_is_not_unpacked_without_end() {
+    let mut bytes = good("json_lz4.mcap");
+    assert_eq!((bytes[43], bytes[44], bytes[67]), (0xad, 4, 0x80), "not the file that this was found in");
+    (bytes[44], bytes[67]) = (9, 0);
+    survive("r.mcap", bytes);
+}
