@@ -59,26 +59,22 @@ impl Models<'_> {
         (0..parameters.len()).filter(|&i| parameters[i].fixed && !parameters[i].starts.is_empty()).collect()
     }
 
-    /// What the final candidate's values are under the other choices, as far as they differ: by as much as they did in
-    /// the search.
-    pub(super) fn open_choices(
-        &self,
-        settled: &Candidate,
-        others: &[Candidate],
-        last: &Candidate,
-    ) -> Vec<OpenChoice> {
+    /// What the final candidate's values are under the other choices, as far as they differ. Those are fitted to the end, too:
+    /// the search is content with values a part of a standard error off.
+    pub(super) fn open_choices(&self, others: &[Candidate], last: &Candidate) -> Vec<OpenChoice> {
         let discrete = self.discrete();
         let name = |i: usize| last.fit.parameters[i].name.clone();
         others
             .iter()
             .map(|other| {
-                let shift = |i: usize| other.fit.values[i] - settled.fit.values[i];
-                let differs = |i: &usize| shift(*i).abs() > DIFFERS * last.fit.parameters[*i].std;
+                let values = self.polished(other).fit.values;
+                let differs = |i: &usize| {
+                    (values[*i] - last.fit.values[*i]).abs() > DIFFERS * last.fit.parameters[*i].std
+                };
+                let differing = last.fit.free.iter().copied().filter(differs);
                 OpenChoice {
-                    choices: discrete.iter().map(|&i| (name(i), other.fit.values[i])).collect(),
-                    values: (last.fit.free.iter().copied().filter(differs))
-                        .map(|i| (name(i), last.fit.values[i] + shift(i)))
-                        .collect(),
+                    choices: discrete.iter().map(|&i| (name(i), values[i])).collect(),
+                    values: differing.map(|i| (name(i), values[i])).collect(),
                 }
             })
             .filter(|open| !open.values.is_empty())

@@ -221,12 +221,12 @@ fn search<'a>(
     let same = models.by_another_name(&tried, chosen);
     tied.retain(|i| !same.contains(i));
     let (settled, others) = models.settled(tried[chosen].clone());
-    tried[chosen] = settled.clone();
+    tried[chosen] = settled;
     for i in [0, chosen] {
         if !tried[i].exact {
             tried[i] = models.polished(&tried[i]);
         }
     }
-    let open = models.open_choices(&settled, &others, &tried[chosen]);
+    let open = models.open_choices(&others, &tried[chosen]);
     (Found { tried, chosen, tied, same, open, promises, laws: Vec::new(), base_as_searched }, models)
 }
