@@ -104,6 +104,23 @@ policy! {
     RACED = 4.0;
     /// A part of what a linear regression promises of an effect, from which a fit starts where that leaves less.
     WEAKER = 0.3;
+    /// Times that what a linear regression promises of an effect is simulated, as strong as the time before promised it to
+    /// help most, or half as strong: four halvings lead from the widest start of play to the next one.
+    LOOKS = 5.0;
+    /// Ratio of strengths within which a promise is held: a fit goes the rest of the way in a step.
+    PROMISE_HELD = 1.25;
+    /// Share of a promised fall that a simulation must show for the promise to be followed on: a parabola that is off by
+    /// less than half still points the right way.
+    PROMISE_KEPT = 0.5;
+    /// What an effect is weakened by where its promise was broken: a bisection.
+    HALF_AS_STRONG = 0.5;
+    /// Relative difference of two falls of the cost below which two strengths show the same, as of a gap that is wide open:
+    /// far above rounding, far below what tells starts apart.
+    LOOKS_ALIKE = 1e-3;
+    /// Times that an effect is weakened before a fit in open loop: together they lead as far as a promise may be off.
+    WEAKENINGS = 4.0;
+    /// By how much each time: play that is wide open under an observer has an end.
+    SLIGHTLY_WEAKER = 0.8;
     /// Steps of a fit in the search.
     STEPS = 20.0;
     /// The same where a simulation is dear: the best of them is fitted on.

@@ -6,8 +6,8 @@
 
 use super::compare::{excess, is_seen, mean_square_difference};
 use super::policy::{
-    AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, RACE_STEPS, RACED, STARTS, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE,
-    TRACE, WEAKER, WINDOWS,
+    AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, RACE_STEPS, RACED, SLIGHTLY_WEAKER, STARTS, STEPS, STEPS_DEAR,
+    STEPS_PER_SAMPLE, TRACE, WEAKENINGS, WEAKER, WINDOWS,
 };
 use super::screen::{Known, is_amplitude, screen};
 use super::{Candidate, count, values_by_name, with_effects};
@@ -28,12 +28,6 @@ const ROUGH_TOLERANCE: f64 = 3.0;
 
 /// Ratios to its nominal value from which a parameter that is free at last starts again: its prior is 50 %.
 const FREED: [f64; 2] = [0.6, 1.4];
-
-/// Times that an effect is weakened before a fit in open loop, and by how much each time: play that is wide open under an
-/// observer has an end.
-const WEAKENED: usize = 4;
-/// See [`WEAKENED`].
-const WEAKER_BY: f64 = 0.8;
 
 /// A base model in the forms in which a diagnosis uses it, with the fit runs.
 pub struct Models<'a> {
@@ -215,12 +209,7 @@ impl<'a> Models<'a> {
         let of_base = near.known().into_iter().filter(|(name, _)| !name.contains('.'));
         let beside: Known = known.iter().cloned().chain(of_base).rev().collect();
         let beside = values_by_name(model.as_ref(), &beside);
-        let added = |p: &Parameter| {
-            let of = |effect: &String| super::candidate::symbol(&p.name, effect).is_some();
-            is_amplitude(p) && effects.iter().any(|e| of(e) && !near.effects.contains(e))
-        };
-        let weaker = model.parameters().iter().zip(&beside);
-        let weaker = weaker.map(|(p, v)| if added(p) { WEAKER * v } else { *v }).collect();
+        let weaker = weakened(model.as_ref(), &beside, near, WEAKER);
         let starts = [nominal, beside, weaker];
         let cost =
             |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);
@@ -271,10 +260,7 @@ impl<'a> Models<'a> {
         let best = (0..starts.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a })?;
         let mut start = starts[best].clone();
         if let (true, Some(own)) = (self.dear && observed.is_some(), starts.last()) {
-            let added = |p: &Parameter| {
-                near.effects.iter().all(|effect| super::candidate::symbol(&p.name, effect).is_none())
-            };
-            start = mixed_by_place(model.as_ref(), start, own, &added, &cost);
+            start = mixed_by_place(model.as_ref(), (start, costs[best]), own, near, &cost);
         }
         let options = self.options(model.as_ref(), start, near);
         let fitted = Candidate::fitted(self.data, effects.to_vec(), model, &options).ok()?;
@@ -388,14 +374,24 @@ impl<'a> Models<'a> {
     }
 }
 
+/// Values with the amplitudes of what a model has beyond a candidate's effects a part as strong.
+fn weakened(model: &dyn Model, values: &[f64], near: &Candidate, part: f64) -> Vec<f64> {
+    let added = |p: &Parameter| {
+        let of_near = |effect: &String| super::candidate::symbol(&p.name, effect).is_some();
+        is_amplitude(p) && p.name.contains('.') && !near.effects.iter().any(of_near)
+    };
+    let weaker = |(p, v): (&Parameter, &f64)| if added(p) { part * v } else { *v };
+    model.parameters().iter().zip(values).map(weaker).collect()
+}
+
 /// Values with those of other ones taken over place by place (an actuator's base parameters) where that lowers the cost, and
 /// with what was added weaker where that does. Beside a missing effect a fit in open loop drives the base parameters of the
 /// place away that the effect is at, and those of its neighbours; under an observer those of the others are less well known.
 fn mixed_by_place(
     model: &dyn Model,
-    mut values: Vec<f64>,
+    (mut values, mut least): (Vec<f64>, f64),
     other: &[f64],
-    added: &dyn Fn(&Parameter) -> bool,
+    near: &Candidate,
     cost: &dyn Fn(&Vec<f64>) -> f64,
 ) -> Vec<f64> {
     let place = |p: &Parameter| match p.name.contains('.') {
@@ -404,7 +400,6 @@ fn mixed_by_place(
     };
     let places: Vec<Option<String>> = model.parameters().iter().map(place).collect();
     let distinct: std::collections::BTreeSet<&String> = places.iter().flatten().collect();
-    let mut least = cost(&values);
     for place in distinct {
         let at = |i: usize| if places[i].as_ref() == Some(place) { other[i] } else { values[i] };
         let taken: Vec<f64> = (0..values.len()).map(at).collect();
@@ -413,11 +408,8 @@ fn mixed_by_place(
             (least, values) = (cost, taken);
         }
     }
-    for _ in 0..WEAKENED {
-        let weaker = |(p, v): (&Parameter, &f64)| {
-            if is_amplitude(p) && p.name.contains('.') && added(p) { WEAKER_BY * v } else { *v }
-        };
-        let weaker: Vec<f64> = model.parameters().iter().zip(&values).map(weaker).collect();
+    for _ in 0..WEAKENINGS as usize {
+        let weaker = weakened(model, &values, near, SLIGHTLY_WEAKER);
         let cost = cost(&weaker);
         if weaker == values || cost >= least {
             break;

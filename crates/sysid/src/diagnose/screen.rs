@@ -6,7 +6,8 @@
 //! Signatures of several effects are regressed together: effects that explain something only together show there.
 
 use super::policy::{
-    FARTHEST, NEAREST, PAIR_WORTH, PAIRED, SCREEN_STEPS_PER_SAMPLE, SHORTLIST, SHORTLIST_PAIRS,
+    FARTHEST, HALF_AS_STRONG, LOOKS, LOOKS_ALIKE, NEAREST, PAIR_WORTH, PAIRED, PROMISE_HELD, PROMISE_KEPT,
+    SCREEN_STEPS_PER_SAMPLE, SHORTLIST, SHORTLIST_PAIRS,
 };
 use super::{Candidate, count};
 use crate::data::Data;
@@ -19,21 +20,6 @@ const TOGETHER: usize = 8;
 
 /// Starting values of each effect that are looked at again, together with those of all others.
 const KEPT: usize = 2;
-
-/// Times that a look is taken again, as strong as the one before promised it to help most, or half as strong.
-const ROUNDS: usize = 5;
-
-/// Ratio of strengths within which a promise is held.
-const HELD: f64 = 1.25;
-
-/// Share of a promise that a simulation must show for the promise to be worth following.
-const KEPT_PROMISE: f64 = 0.5;
-
-/// What a look is weakened by where its promise was broken.
-const WEAKENED: f64 = 0.5;
-
-/// Relative difference of two looks' falls of the cost, below which they show the same: a gap that is wide open.
-const ALIKE: f64 = 1e-3;
 
 /// The parameter that makes an effect periodic.
 pub(super) const PHASE: &str = EffectCard::PHASE;
@@ -182,7 +168,7 @@ fn together(
     let mut kept: Vec<Look> = Vec::new();
     for look in looks {
         let same = kept.iter().filter(|k| k.card == look.card);
-        let alike = |k: &Look| (k.simulated - look.simulated).abs() <= ALIKE * look.simulated.abs();
+        let alike = |k: &Look| (k.simulated - look.simulated).abs() <= LOOKS_ALIKE * look.simulated.abs();
         if same.clone().count() < KEPT && !same.into_iter().any(alike) {
             kept.push(look);
         }
@@ -246,7 +232,7 @@ fn simulated(
 ) -> (Vec<Look>, Vec<Vec<Prediction>>) {
     let mut there: Vec<Option<(Look, Vec<Prediction>)>> = vec![None; looks.len()];
     let mut pending: Vec<(usize, Look)> = looks.into_iter().enumerate().collect();
-    for _ in 0..ROUNDS {
+    for _ in 0..LOOKS as usize {
         let predicted: Vec<_> = pending.par_iter().map(|(_, look)| signature(look)).collect();
         let (now, columns): (Vec<_>, Vec<_>) =
             pending.drain(..).zip(predicted).filter_map(|(look, p)| Some((look, p?))).unzip();
@@ -260,10 +246,10 @@ fn simulated(
             let Some((amplitude, drop)) = best_amplitude(parameters, &signatures, i) else { continue };
             look.simulated = fall(&signatures, i, 1.0);
             let best = there[place].as_ref().map_or(f64::NEG_INFINITY, |(best, _)| best.simulated);
-            let no_less = look.simulated >= best - ALIKE * best.abs();
-            let held = (1.0 / HELD..=HELD).contains(&amplitude);
-            let next = match look.simulated < KEPT_PROMISE * look.drop {
-                true if no_less => Some((WEAKENED, look.drop)),
+            let no_less = look.simulated >= best - LOOKS_ALIKE * best.abs();
+            let held = (1.0 / PROMISE_HELD..=PROMISE_HELD).contains(&amplitude);
+            let next = match look.simulated < PROMISE_KEPT * look.drop {
+                true if no_less => Some((HALF_AS_STRONG, look.drop)),
                 false if !held && drop > best => Some((amplitude, drop)),
                 _ => None,
             };
