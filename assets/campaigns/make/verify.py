@@ -2,7 +2,7 @@
 
     cargo run --release -p sealegs-leg --example channels -- thor-drop > drop.csv
     venv/bin/python verify.py against drop.csv thor-drop       greatest and rms difference of each channel, per cent of its range
-    venv/bin/python verify.py halve [SET [NAME ..]]                  each run of each shipped campaign with its effect, at its step and at
+    venv/bin/python verify.py halve [SET [NAME ..]]            each run of each shipped campaign with its effect, at its step and at
                                                                half of it, in units of the sensors' noise
     venv/bin/python verify.py strength [SET]                   what the hidden effects change in it, in units of the noise
 """

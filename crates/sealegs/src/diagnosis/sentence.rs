@@ -38,8 +38,7 @@ pub(super) fn sentence(o: &Outcome) -> String {
         ),
         ("missing-effect", Some(after)) => format!(
             "Missing: {set}. It takes the error on the held-out runs from {base} to {:.3} noise units (noise \
-             floor {floor:.2}); \
-             {} of the residual energy above the noise floor is left.{pictured}",
+             floor {floor:.2}); {} of the residual energy above the noise floor is left.{pictured}",
             after.holdout_error,
             percent(o.unexplained_share)
         ),
@@ -51,8 +50,7 @@ pub(super) fn sentence(o: &Outcome) -> String {
         ),
         _ => format!(
             "Unexplained: the base model leaves an error of {base} noise units on the held-out runs (noise \
-             floor {floor:.2}), and no known \
-             effect, alone or with others, explains that.{pictured}{law}"
+             floor {floor:.2}), and no known effect, alone or with others, explains that.{pictured}{law}"
         ),
     }
 }
