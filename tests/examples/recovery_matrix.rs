@@ -40,7 +40,7 @@ struct Arguments {
     /// Outcomes, one line each
     #[arg(long, default_value = "tests/recovery-matrix.jsonl")]
     results: PathBuf,
-    /// Where campaigns are made, and those stay that were not diagnosed right
+    /// Where campaigns are made, and those stay that were not diagnosed or not located right
     #[arg(long, default_value = "target/recovery-matrix/campaigns")]
     campaigns: PathBuf,
     /// The page

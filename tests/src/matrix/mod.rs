@@ -290,7 +290,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
             .filter_map(Stated::relative_error)
             .max_by(f64::total_cmp);
     }
-    if matches!(scored, Score::Right | Score::Tied) {
+    if matches!(scored, Score::Right | Score::Tied) && outcome.located.is_none_or(Located::right) {
         std::fs::remove_dir_all(&place)?;
     }
     Ok(outcome)

@@ -216,6 +216,7 @@ fn search<'a>(
     let best = search.run();
     search.confirm_rivals(best);
     let (chosen, mut tied) = search.ties(best);
+    let chosen = search.simplified(chosen, &mut tied);
     let chosen = search.in_parts(chosen, &mut tied);
     let search::Search { models, mut tried, promises, .. } = search;
     let same = models.by_another_name(&tried, chosen);

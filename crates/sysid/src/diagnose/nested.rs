@@ -88,6 +88,6 @@ impl Models<'_> {
 }
 
 /// The id of the simpler law at the same place.
-fn simpler_id(card: &EffectCard, law: &SimplerLaw) -> String {
+pub(super) fn simpler_id(card: &EffectCard, law: &SimplerLaw) -> String {
     card.id.rsplit_once('/').map_or_else(|| law.id.to_owned(), |(place, _)| format!("{place}/{}", law.id))
 }

@@ -1,7 +1,9 @@
 //! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the promising ones are
 //! fitted, members leave again, and rivals of each member are tried.
 
+use super::candidate::symbol;
 use super::compare::{clearly_better, excess, gain, is_beyond_chance, is_seen};
+use super::nested::simpler_id;
 use super::policy::{
     AT_FLOOR, EXPLAINED, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR,
     NEEDED_COST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, TIED_COST,
@@ -124,14 +126,7 @@ impl Search<'_> {
         (self.progress)(Progress::Fitting { sets: sets.iter().map(|(set, _)| set.clone()).collect() });
         let mut indices = Vec::new();
         for fitted in self.models.scattered(&near, &sets) {
-            let known = self.tried.iter().position(|t| t.effects == fitted.effects);
-            let index = known.unwrap_or(self.tried.len());
-            if known.is_none() {
-                self.tried.push(fitted);
-            } else if fitted.fit.cost < self.tried[index].fit.cost {
-                self.tried[index] = fitted;
-            }
-            indices.push(index);
+            indices.push(self.kept(fitted));
         }
         indices
     }
@@ -489,6 +484,58 @@ impl Search<'_> {
             .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
             .collect();
         (chosen, tied)
+    }
+
+    /// The chosen set with a simpler law in the place of one that contains it (dry friction for one that differs between the
+    /// directions), fitted from the chosen one's values: the simpler one is chosen and the richer one its tie unless the
+    /// richer one is clearly better.
+    pub fn simplified(&mut self, chosen: usize, tied: &mut Vec<usize>) -> usize {
+        let (floor, effects) = (self.models.data.floor, self.tried[chosen].effects.clone());
+        let cards = self.models.exact.effects(&self.models.seen);
+        for effect in &effects {
+            let card = cards.iter().find(|c| c.id == *effect);
+            let Some(simple) = card.and_then(|c| Some(simpler_id(c, c.becomes.as_ref()?))) else { continue };
+            if effects.contains(&simple) || !self.admitted.contains(&simple) {
+                continue;
+            }
+            let known: Known = self.tried[chosen]
+                .known()
+                .into_iter()
+                .map(|(name, value)| match symbol(&name, effect) {
+                    Some(own) => (format!("{simple}.{own}"), value),
+                    None => (name, value),
+                })
+                .collect();
+            let rest = Candidate { effects: all_but(&effects, effect), ..self.tried[chosen].clone() };
+            let set = self.set_with(&rest, std::slice::from_ref(&simple));
+            let Some(fitted) = self.models.fitted(&self.tried[chosen], &set, &known, None) else { continue };
+            let mut fitted = [fitted];
+            self.models.finish_best(&mut fitted);
+            let [fitted] = fitted;
+            let index = self.kept(fitted);
+            if !clearly_better(&self.tried[index], &self.tried[chosen], floor) {
+                tied.retain(|&i| i != index);
+                tied.push(chosen);
+                return self.simplified(index, tied);
+            }
+        }
+        chosen
+    }
+
+    /// The index of a fitted set: among those tried, where the better of two fits of one set stays.
+    fn kept(&mut self, fitted: Candidate) -> usize {
+        match self.tried.iter().position(|t| t.effects == fitted.effects) {
+            Some(index) => {
+                if fitted.fit.cost < self.tried[index].fit.cost {
+                    self.tried[index] = fitted;
+                }
+                index
+            }
+            None => {
+                self.tried.push(fitted);
+                self.tried.len() - 1
+            }
+        }
     }
 
     /// The chosen set with one of its laws in two parts, the simpler law and what makes up its departure, where that has no
