@@ -16,11 +16,14 @@
 //! extreme points along the eight space diagonals (a box's corners), for spheres and capsules their centres
 //! with a radius, for cylinders eight points of each rim.
 
-use super::engine::Engine;
+mod sole;
+
+use super::engine::{BodyState, Engine};
 use crate::robot::{Geometry, Shape};
 use nalgebra::{Isometry3, Point3, Vector3};
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{ConvexPolyhedron, Cuboid, SupportMap};
+use sole::Sole;
 
 /// The ground and what touching it is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,10 +72,16 @@ impl Ground {
 
     /// The normal force of one sole point in N, `depth` m below the plane and sinking at `rate` m/s.
     #[must_use]
-    #[inline]
     pub(crate) fn normal_force_n(&self, depth: f64, rate: f64) -> f64 {
+        (self.elastic_force_n(depth) * (1.0 + self.damping_s_m * rate)).max(0.0)
+    }
+
+    /// The normal force of one sole point at rest in N, `depth` m below the plane.
+    #[must_use]
+    #[inline]
+    fn elastic_force_n(&self, depth: f64) -> f64 {
         let stiff = if self.exponent == 1.5 { depth * depth.sqrt() } else { depth.powf(self.exponent) };
-        (self.stiffness_n_m_n * stiff * (1.0 + self.damping_s_m * rate)).max(0.0)
+        self.stiffness_n_m_n * stiff
     }
 }
 
@@ -143,6 +152,9 @@ struct Touch {
     touching: bool,
     force: Vector3<f64>,
     at: Point3<f64>,
+    depth_m: f64,
+    /// Velocity along the plane, m/s.
+    sliding: Vector3<f64>,
 }
 
 /// What the ground does at one instant.
@@ -166,6 +178,8 @@ pub(crate) struct Contact {
     origin: Point3<f64>,
     points: Vec<SolePoint>,
     touches: Vec<Touch>,
+    /// The bodies that have sole points.
+    soles: Vec<Sole>,
 }
 
 impl Contact {
@@ -176,6 +190,7 @@ impl Contact {
             ground,
             points,
             touches: Vec::new(),
+            soles: Vec::new(),
         };
         contact.start(engine);
         contact
@@ -192,61 +207,38 @@ impl Contact {
                 touching: false,
                 force: Vector3::zeros(),
                 at,
+                depth_m: 0.0,
+                sliding: Vector3::zeros(),
             }
         };
         self.touches = self.points.iter().map(touch).collect();
+        let mut bodies: Vec<usize> = self.points.iter().map(|p| p.body).collect();
+        bodies.dedup();
+        self.soles = bodies.into_iter().map(Sole::new).collect();
     }
 
     /// Puts the ground's forces on the bodies. Velocities are those at the time of the pose.
     pub fn apply(&mut self, engine: &mut Engine, step_s: f64) -> GroundInstant {
-        let mut total = GroundInstant::default();
-        let g = &self.ground;
-        let mut center = Vector3::zeros();
         for (point, touch) in self.points.iter().zip(&mut self.touches) {
-            let body = &engine.states[point.body];
-            let place = body.pose * point.center;
-            let moved = place - touch.before;
-            touch.earlier = touch.before;
-            touch.before = place;
-            let depth = point.radius_m - (place - self.origin).dot(&self.normal);
-            if depth <= 0.0 {
-                touch.touching = false;
-                touch.force = Vector3::zeros();
-                touch.bristle = Vector3::zeros();
-                continue;
-            }
-            let at = place - self.normal * point.radius_m;
-            let velocity = body.velocity_at(&at);
-            let rising = velocity.dot(&self.normal);
-            let normal = g.normal_force_n(depth, -rising);
-            // The root was where the point first touched; the point has moved since by what it travelled.
-            if touch.touching {
-                let mut moved = moved;
-                if point.radius_m > 0.0 {
-                    moved += body.twist.angular.cross(&(at - place)) * step_s;
+            touch.move_to(point, &engine.states[point.body], (&self.origin, &self.normal), step_s);
+        }
+        let mut total = GroundInstant::default();
+        let mut center = Vector3::zeros();
+        for sole in &mut self.soles {
+            let points = self.points.iter().zip(&mut self.touches);
+            let mut touches: Vec<&mut Touch> =
+                points.filter(|(p, t)| p.body == sole.body && t.touching).map(|(_, t)| t).collect();
+            sole.press(&mut touches, (&self.ground, &self.normal), engine, step_s);
+            for touch in touches {
+                engine.add_force(sole.body, &touch.force, &touch.at);
+                let normal = touch.force.dot(&self.normal);
+                total.normal_force_n += normal;
+                total.touching += 1;
+                for i in 0..3 {
+                    total.force_n[i] += touch.force[i];
                 }
-                touch.bristle += moved - self.normal * moved.dot(&self.normal);
+                center += touch.at.coords * normal;
             }
-            touch.touching = true;
-            touch.at = at;
-            let sliding = velocity - self.normal * rising;
-            let wanted = touch.bristle * -g.bristle_stiffness_n_m - sliding * g.bristle_damping_n_s_m;
-            let (bound, size) = (g.friction * normal, wanted.norm());
-            let tangential = if size > bound {
-                let held = wanted * (bound / size);
-                touch.bristle = (held + sliding * g.bristle_damping_n_s_m) / -g.bristle_stiffness_n_m;
-                held
-            } else {
-                wanted
-            };
-            touch.force = self.normal * normal + tangential;
-            engine.add_force(point.body, &touch.force, &at);
-            total.normal_force_n += normal;
-            total.touching += 1;
-            for i in 0..3 {
-                total.force_n[i] += touch.force[i];
-            }
-            center += at.coords * normal;
         }
         if total.normal_force_n > 0.0 {
             total.center_m = (center / total.normal_force_n).into();
@@ -270,5 +262,34 @@ impl Contact {
             }
         }
         power
+    }
+}
+
+impl Touch {
+    /// Takes up the point's new place, and its bristle with it; the plane is an origin and its normal.
+    fn move_to(
+        &mut self,
+        point: &SolePoint,
+        body: &BodyState,
+        (origin, normal): (&Point3<f64>, &Vector3<f64>),
+        step_s: f64,
+    ) {
+        let place = body.pose * point.center;
+        let mut moved = place - self.before;
+        (self.earlier, self.before) = (self.before, place);
+        self.depth_m = point.radius_m - (place - origin).dot(normal);
+        if self.depth_m <= 0.0 {
+            (self.touching, self.force, self.bristle) = (false, Vector3::zeros(), Vector3::zeros());
+            return;
+        }
+        self.at = place - normal * point.radius_m;
+        // The root was where the point first touched; the point has moved since by what it travelled.
+        if self.touching {
+            if point.radius_m > 0.0 {
+                moved += body.twist.angular.cross(&(self.at - place)) * step_s;
+            }
+            self.bristle += moved - normal * moved.dot(normal);
+        }
+        self.touching = true;
     }
 }
