@@ -291,14 +291,21 @@ fn range(parameters: &[Parameter]) -> (f64, f64) {
     if parameters.iter().any(count::is_count) {
         return (1.0, 1.0);
     }
-    let both_ways = parameters.iter().any(|p| (is_amplitude(p) && p.min < 0.0) || p.name == PHASE);
-    let scales = parameters.iter().any(is_amplitude);
+    let both_ways =
+        parameters.iter().any(|p| (is_amplitude(p) && p.min < 0.0) || is_ratio(p) || p.name == PHASE);
+    let scales = parameters.iter().any(|p| is_amplitude(p) || is_ratio(p));
     (if both_ways { -FARTHEST } else { 0.0 }, if scales { FARTHEST } else { 1.0 })
 }
 
 /// Whether the effect vanishes in proportion to this parameter.
 pub(super) fn is_amplitude(p: &Parameter) -> bool {
     p.neutral == Some(0.0) && !p.fixed && p.scale == Scale::Linear
+}
+
+/// Whether the effect vanishes where this parameter is a certain ratio between its bounds.
+fn is_ratio(p: &Parameter) -> bool {
+    let inside = p.neutral.is_some_and(|n| p.min < n && n < p.max);
+    inside && !p.fixed && p.scale == Scale::Logarithmic
 }
 
 /// A start moved along its amplitude, but not closer to nothing than a share.
@@ -313,6 +320,10 @@ fn scaled(parameters: &[Parameter], start: &[f64], amplitude: f64, nearest: f64)
         .map(|(p, v)| match () {
             () if is_amplitude(p) && periodic => (v * factor.abs()).clamp(p.min, p.max),
             () if is_amplitude(p) => (v * factor).clamp(p.min, p.max),
+            () if is_ratio(p) => {
+                let neutral = p.neutral.unwrap_or(1.0);
+                (neutral * (v / neutral).powf(factor)).clamp(p.min, p.max)
+            }
             () if p.name == PHASE && factor < 0.0 => v - std::f64::consts::PI,
             () => *v,
         })

@@ -340,6 +340,18 @@ impl Search<'_> {
         Some(self.tried.len() - 1)
     }
 
+    /// Index of a set without one of its members. A fit of it from elsewhere may have ended where nothing leads on: it says
+    /// that the member is needed only if one from the whole set's values does.
+    fn rest_of(&mut self, rest: &[String], whole: usize) -> Option<usize> {
+        let index = self.index_of(rest, whole)?;
+        let (whole, floor) = (&self.tried[whole], self.models.data.floor);
+        if rest.is_empty() || !clearly_better(&self.tried[index], whole, floor) {
+            return Some(index);
+        }
+        let again = self.models.fitted(whole, rest, &whole.known(), None);
+        Some(again.map_or(index, |again| self.kept(again)))
+    }
+
     /// Lets members leave, the least useful first, as long as the rest is not clearly worse.
     fn pruned(&mut self, mut best: usize) -> usize {
         loop {
@@ -353,7 +365,7 @@ impl Search<'_> {
                         let left = self.observed_where_settled(best, &rest);
                         left.is_some_and(|left| left.fit.cost > NEEDED_COST * own)
                     });
-                    if needed { None } else { self.index_of(&rest, best) }
+                    if needed { None } else { self.rest_of(&rest, best) }
                 })
                 .collect();
             let floor = self.models.data.floor;
