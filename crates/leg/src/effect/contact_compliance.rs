@@ -46,6 +46,10 @@ impl LegEffect for ContactCompliance {
         }
     }
 
+    fn replaces(&self) -> &'static [&'static str] {
+        &["contact_stiffness", "contact_damping"]
+    }
+
     fn install(&self, values: &[f64], _place: &str, leg: &mut Build) {
         if let Some(ground) = &mut leg.scenario.ground {
             ground.stiffness_n_m_n *= values[0];

@@ -64,6 +64,11 @@ pub trait LegEffect: Debug + Send + Sync {
     /// Law and parameters with guesses that suit the place.
     fn card(&self, place: &str, leg: &LegSetting) -> EffectCard;
 
+    /// Base parameters of the place that say the same within narrow bounds: beside the effect they stay as they are stated.
+    fn replaces(&self) -> &'static [&'static str] {
+        &[]
+    }
+
     /// Puts the effect with these parameter values (in the card's order) into a leg. At the neutral values
     /// nothing changes, to the last bit.
     fn install(&self, values: &[f64], place: &str, leg: &mut Build);

@@ -30,6 +30,11 @@ impl EffectRef {
             Self::Leg(_) => None,
         }
     }
+
+    /// The base parameters that it takes the place of (see [`LegEffect::replaces`]), by their names without the place.
+    pub fn replaces(&self) -> &'static [&'static str] {
+        if let Self::Leg(effect) = self { effect.replaces() } else { &[] }
+    }
 }
 
 /// An effect at its place with the values of its parameters.

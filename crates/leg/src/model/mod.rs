@@ -160,6 +160,9 @@ impl LegModel {
         let (id, first, count) = (card.id, self.parameters.len(), card.parameters.len());
         let named = |p: Parameter| Parameter { name: format!("{id}.{}", p.name), ..p };
         self.parameters.extend(card.parameters.into_iter().map(named));
+        let place = id.split_once('/').map_or("", |(place, _)| place);
+        let replaced: Vec<String> = effect.replaces().iter().map(|name| format!("{place}/{name}")).collect();
+        self.parameters.iter_mut().filter(|p| replaced.contains(&p.name)).for_each(|p| p.fixed = true);
         self.included.push(Included { id, effect, first, count });
     }
 

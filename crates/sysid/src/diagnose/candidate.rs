@@ -4,7 +4,7 @@ use super::validation::{Validation, validate};
 use crate::Error;
 use crate::data::{Data, Evaluation};
 use crate::fit::{Fit, FitOptions, KnownColumns, fit};
-use sealegs_model::{Excitation, Model};
+use sealegs_model::{Excitation, Model, Parameter};
 use std::sync::Arc;
 
 /// A fitted set of effects.
@@ -105,11 +105,12 @@ pub fn with_effects(
     Ok(model)
 }
 
-/// A model's values: the known ones by name, its own nominal ones otherwise.
+/// A model's values: the known ones by name, its own nominal ones otherwise, and where it leaves nothing to choose.
 #[must_use]
 pub fn values_by_name(model: &dyn Model, known: &[(String, f64)]) -> Vec<f64> {
-    let value = |name: &str| known.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
-    model.parameters().iter().map(|p| value(&p.name).unwrap_or(p.value)).collect()
+    let open = |p: &Parameter| !p.fixed || p.freed_at_last || !p.starts.is_empty();
+    let value = |p: &Parameter| known.iter().find(|(n, _)| *n == p.name && open(p)).map(|(_, v)| *v);
+    model.parameters().iter().map(|p| value(p).unwrap_or(p.value)).collect()
 }
 
 /// What an effect calls one of its parameters, if it is its own.
