@@ -62,10 +62,10 @@ pub struct Dependence {
 pub(super) struct Form {
     pub on: &'static str,
     over: &'static str,
-    times: &'static str,
+    pub times: &'static str,
     pub columns: Vec<Vec<f64>>,
     /// Knots and the abscissa, for forms that are curves of hats.
-    knots: Option<Vec<f64>>,
+    pub knots: Option<Vec<f64>>,
 }
 
 impl Form {

@@ -2,18 +2,16 @@
 //! effect deserves its name.
 
 use super::compare::{clearly_better, excess};
+use super::curves::{self, Tried};
 use super::dependence::Dependence;
 use super::missing::{Missing, Port};
 use super::picture::{MissingForce, missing_force};
-use super::policy::{
-    CURVE_BEATS, CURVES, CURVES_DEAR, CURVES_FITTED, DRY_MOSTLY, EXPLAINED, LEFT_SHARE, MOST_LOST,
-    WORTH_NAMING,
-};
+use super::policy::{CURVE_BEATS, CURVES_FITTED, DRY_MOSTLY, EXPLAINED, LEFT_SHARE, MOST_LOST, WORTH_NAMING};
 use super::refine::{Models, with_nominal_base};
 use super::{Candidate, Found};
 use crate::fit::Fit;
 use rayon::prelude::*;
-use sealegs_model::{Curve, Factor, Law, Model, Over, internal};
+use sealegs_model::{Curve, Factor, Law, Over, internal};
 
 /// A fitted curve.
 #[derive(Debug, Clone)]
@@ -24,6 +22,8 @@ pub struct FreeForm {
     pub port: String,
     /// What it depends on, as in [`Dependence::on`].
     pub on: &'static str,
+    /// Share of what a curve over the speed foresees that the direction of motion foresees by itself; 0 of other curves.
+    pub dry_share: f64,
     /// The set beside which it was fitted, in [`Found::tried`]: the base model, or the chosen one.
     pub beside: usize,
     /// That set with the law.
@@ -31,10 +31,6 @@ pub struct FreeForm {
     /// What is missing without it over what it depends on, the law drawn over it.
     pub force: Option<MissingForce>,
 }
-
-/// Ports and dependences of each that are tried.
-const PORTS: usize = 2;
-const DEPENDENCES: usize = 3;
 
 /// The curves that take most of what the chosen set leaves, beside it, and of what the base model leaves, alone; none where
 /// nothing is left, or no curve takes a good part of it. Where one alone leaves far less than the chosen set, nothing stays
@@ -56,7 +52,7 @@ pub(super) fn look(models: &Models, found: &mut Found, before: &[Port], after: &
         return alone.into_iter().collect();
     }
     let beaten = |law: &FreeForm| takes(&found.tried[found.chosen], &law.with, 1.0 / CURVE_BEATS);
-    if alone.as_ref().is_some_and(|law| beaten(law) && !is_dry_friction(law, before)) {
+    if alone.as_ref().is_some_and(|law| beaten(law) && !is_dry_friction(law)) {
         found.chosen = 0;
         found.tied.clear();
         found.same.clear();
@@ -67,45 +63,8 @@ pub(super) fn look(models: &Models, found: &mut Found, before: &[Port], after: &
 }
 
 /// Whether a curve over the speed is dry friction with something beside it: its sign alone foresees nearly as much.
-fn is_dry_friction(law: &FreeForm, ports: &[Port]) -> bool {
-    let Some(port) = ports.iter().find(|p| p.missing.name() == law.port) else { return false };
-    let share = |on: &str| port.depends.iter().find(|d| d.on == on).map_or(0.0, |d| d.explained);
-    law.on == "speed" && share("direction of motion") >= DRY_MOSTLY * share(law.on)
-}
-
-/// A law that a model could have, and the model in the forms that could.
-struct Tried {
-    law: Law,
-    port: String,
-    on: &'static str,
-    exact: Box<dyn Model>,
-    coarse: Box<dyn Model>,
-    observed: Box<dyn Model>,
-}
-
-impl Tried {
-    /// `None` where the dependence is no curve, or the model has no place for it.
-    fn of(models: &Models, port: &Port, dependence: &Dependence) -> Option<Self> {
-        let law = law(&port.missing, dependence)?;
-        let exact = models.exact.knowing(&law)?;
-        let (coarse, observed) = (models.coarse.knowing(&law)?, models.observed.as_deref()?.knowing(&law)?);
-        Some(Self { law, port: port.missing.name(), on: dependence.on, exact, coarse, observed })
-    }
-
-    fn models<'a>(&'a self, of: &'a Models) -> Models<'a> {
-        Models {
-            data: of.data,
-            exact: self.exact.as_ref(),
-            coarse: self.coarse.clone(),
-            observed: Some(self.observed.clone()),
-            seen: of.seen.clone(),
-            dear: of.dear,
-        }
-    }
-
-    fn set(&self, near: &Candidate) -> Vec<String> {
-        near.effects.iter().cloned().chain([self.law.effect()]).collect()
-    }
+fn is_dry_friction(law: &FreeForm) -> bool {
+    law.on == "speed" && law.dry_share >= DRY_MOSTLY
 }
 
 /// The curve that leaves least beside a set: some are fitted under the observer, the best of these in open loop.
@@ -113,13 +72,7 @@ fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option
     let near = &found.tried[beside];
     let known = near.known();
     let observed = models.observing(near, &with_nominal_base(models.exact, &known))?;
-    let most = if models.dear { CURVES_DEAR } else { CURVES } as usize;
-    let felt = ports.iter().filter(|p| p.missing.is_felt()).take(PORTS);
-    let dependences = felt.flat_map(|port| {
-        let tried = port.depends.iter().filter_map(|d| Tried::of(models, port, d));
-        tried.take(DEPENDENCES).collect::<Vec<_>>()
-    });
-    let tried: Vec<Tried> = dependences.take(most).collect();
+    let tried = curves::promising(models, &observed, ports);
     let mut seen: Vec<(&Tried, Fit)> = tried
         .par_iter()
         .filter_map(|t| {
@@ -139,7 +92,31 @@ fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option
     let with = models.polished(&with);
     let force = missing_force(&models, &with, ports);
     let law = refitted(tried.law.clone(), &with);
-    Some(FreeForm { law, port: tried.port.clone(), on: tried.on, beside, with, force })
+    let (port, on, dry_share) = (tried.port.clone(), tried.on, tried.dry_share);
+    Some(FreeForm { law, port, on, dry_share, beside, with, force })
+}
+
+/// Puts the port at which a law acts first, and what the law depends on first there: a fit in the sensors' own noise says it
+/// better than what an observer needs. `beside` is the set without the law.
+pub(super) fn put_first(law: &FreeForm, beside: &Candidate, floor: f64, ports: &mut Vec<Port>) {
+    let Some(at) = ports.iter().position(|p| p.missing.name() == law.port) else { return };
+    let square = |c: &Candidate| excess(c.validation.mean_square().sqrt(), floor);
+    let explained = 1.0 - square(&law.with) / square(beside).max(f64::MIN_POSITIVE);
+    let known = ports[at].depends.iter().find(|d| d.on == law.on);
+    let coefficients = law.with.effect_parameters() - beside.effect_parameters();
+    let none = Dependence { on: law.on, explained, coefficients, curve: None };
+    let said = Dependence { explained, ..known.cloned().unwrap_or(none) };
+    let mut port = if law.law.acts_on == "drive" {
+        // What the drive lacks is missing at the rotor, which it acts on.
+        let missing = Missing { port: "drive".to_owned(), ..ports[at].missing.clone() };
+        Port { missing, depends: Vec::new(), force: law.force.clone() }
+    } else {
+        ports.remove(at)
+    };
+    port.depends.retain(|d| d.on != law.on);
+    port.depends.insert(0, said);
+    port.force = law.force.clone().or(port.force);
+    ports.insert(0, port);
 }
 
 /// Whether the motor drives with less than half of its force beside a curve at the drive: such a curve takes the command
@@ -156,10 +133,9 @@ fn is_left_undriven(law: &Law, near: &Candidate, with: &Candidate) -> bool {
 
 /// The law of a dependence: a curve at its port, or at the drive where what the rotor lacks follows the command. `None` for a
 /// dependence that is no curve of one signal.
-fn law(missing: &Missing, dependence: &Dependence) -> Option<Law> {
-    let curve = dependence.curve.as_ref()?;
+pub(super) fn law(missing: &Missing, on: &str, (x, mut y): (Vec<f64>, Vec<f64>), step: f64) -> Option<Law> {
     let sensor = missing.port.starts_with("sensor/");
-    let (acts_on, over, times) = match (missing.port.as_str(), dependence.on) {
+    let (acts_on, over, times) = match (missing.port.as_str(), on) {
         ("rotor", "speed") => ("rotor", Over::Speed, Factor::One),
         ("rotor", "position") => ("rotor", Over::Position, Factor::One),
         ("rotor", "time") => ("rotor", Over::Time, Factor::One),
@@ -177,18 +153,17 @@ fn law(missing: &Missing, dependence: &Dependence) -> Option<Law> {
         (port, "time") if sensor => (port, Over::Time, Factor::One),
         _ => return None,
     };
-    let against = times == Factor::Direction;
-    let (x, mut y) = curve.points.clone();
     // A bound opposes the motion.
+    let against = times == Factor::Direction;
     y.iter_mut().filter(|_| against).for_each(|y| *y = (-*y).max(0.0));
-    let dry = if over == Over::Speed && acts_on == "rotor" { (-curve.step).max(0.0) } else { 0.0 };
+    let dry = if over == Over::Speed && acts_on == "rotor" { (-step).max(0.0) } else { 0.0 };
     let place = (!missing.place.is_empty()).then(|| missing.place.clone());
     let name = acts_on.rsplit('/').next().unwrap_or(acts_on).replace('_', "-");
     Some(Law {
         id: format!("unknown-at-{name}"),
         place,
         acts_on: acts_on.to_owned(),
-        summary: format!("What no known effect gives: it depends on {}.", dependence.on),
+        summary: format!("What no known effect gives: it depends on {on}."),
         curve: Curve { over, times, x, y, dry },
     })
 }
@@ -211,7 +186,6 @@ fn refitted(mut law: Law, with: &Candidate) -> Law {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::dependence;
 
     fn missing(port: &str) -> Missing {
         Missing {
@@ -226,32 +200,23 @@ mod tests {
         }
     }
 
-    fn depends(on: &'static str, step: f64) -> Dependence {
-        let curve = dependence::Curve {
-            over: "speed".to_owned(),
-            times: "1",
-            x: vec![-1.0, 1.0],
-            y: vec![3.0, -3.0],
-            std: vec![0.1; 2],
-            points: (vec![-1.0, 1.0], vec![2.0, -2.0]),
-            step,
-        };
-        Dependence { on, explained: 0.9, coefficients: 3, curve: Some(curve) }
+    fn depends(port: &str, on: &str, step: f64) -> Option<Law> {
+        law(&missing(port), on, (vec![-1.0, 1.0], vec![2.0, -2.0]), step)
     }
 
     #[test]
     fn what_is_missing_becomes_a_law_at_its_port() {
-        let drag = law(&missing("rotor"), &depends("speed", -1.5)).expect("a law");
+        let drag = depends("rotor", "speed", -1.5).expect("a law");
         assert_eq!((drag.effect().as_str(), drag.curve.dry), ("knee/unknown-at-rotor", 1.5));
         assert_eq!(drag.curve.y, [2.0, -2.0]);
         // A friction that would push is none.
-        assert_eq!(law(&missing("rotor"), &depends("speed", 1.5)).expect("a law").curve.dry, 0.0);
-        let bound = law(&missing("rotor"), &depends("direction and position", 0.0)).expect("a law");
+        assert_eq!(depends("rotor", "speed", 1.5).expect("a law").curve.dry, 0.0);
+        let bound = depends("rotor", "direction and position", 0.0).expect("a law");
         assert_eq!((bound.curve.times, bound.curve.y), (Factor::Direction, vec![0.0, 2.0]));
-        let drive = law(&missing("rotor"), &depends("command", 0.0)).expect("a law");
+        let drive = depends("rotor", "command", 0.0).expect("a law");
         assert_eq!(drive.acts_on, "drive");
-        let cell = law(&missing("sensor/force_1_n"), &depends("its own value", 0.0)).expect("a law");
+        let cell = depends("sensor/force_1_n", "its own value", 0.0).expect("a law");
         assert_eq!((cell.id.as_str(), cell.acts_on.as_str()), ("unknown-at-force-1-n", "sensor/force_1_n"));
-        assert!(law(&missing("rotor"), &depends("rotor angle", 0.0)).is_none());
+        assert!(depends("rotor", "rotor angle", 0.0).is_none());
     }
 }

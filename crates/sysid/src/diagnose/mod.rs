@@ -11,6 +11,7 @@ mod candidate;
 mod compare;
 mod conventions;
 mod count;
+mod curves;
 mod dependence;
 mod excitations;
 mod experiment;
@@ -140,15 +141,19 @@ pub fn diagnose(
     let mut models = Models::new(&data, base);
     let first = models.base()?;
     progress(Progress::Looking);
-    let ports = missing::look(&models, &first);
+    let mut ports = missing::look(&models, &first);
     let (mut found, models) = search(models, first, progress);
     let chosen = &found.tried[found.chosen];
-    let ports_after = if chosen.fit.error() > policy::NEAR_FLOOR * data.floor {
+    let mut ports_after = if chosen.fit.error() > policy::NEAR_FLOOR * data.floor {
         missing::look(&models, chosen)
     } else {
         Vec::new()
     };
     found.laws = free_form::look(&models, &mut found, &ports, &ports_after);
+    for law in &found.laws {
+        let ports = if law.beside == 0 { &mut ports } else { &mut ports_after };
+        free_form::put_first(law, &found.tried[law.beside], data.floor, ports);
+    }
     let chosen = &found.tried[found.chosen];
     // The set that is named may lack a trace of the chosen one: that is not seen at a port.
     let force = match found.laws.first() {

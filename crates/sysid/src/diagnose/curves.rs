@@ -1,0 +1,192 @@
+//! Which curve at which port takes most of the residual under the observer: every ordinate of a curve is screened as an effect
+//! of its own.
+//!
+//! A force of a newton is far below what an encoder's noise is worth as an acceleration, and is not seen in the force that an
+//! observer needs. In the sensors themselves, where the noise is white, it is: the residual is regressed on what each ordinate
+//! does to the sensors, which weighs every frequency as it is known.
+
+use super::Candidate;
+use super::dependence::forms;
+use super::free_form::law;
+use super::missing::Port;
+use super::policy::{CURVES, CURVES_DEAR, WORTH_PER_PARAMETER};
+use super::refine::Models;
+use super::regression::Smooth;
+use super::rows::{rows, step};
+use super::{values_by_name, with_effects};
+use crate::fit::Signatures;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use sealegs_model::{Factor, Law, Model, Prediction};
+
+/// Ports and dependences of each that are tried where a simulation is dear.
+const PORTS: usize = 2;
+const DEPENDENCES: usize = 3;
+
+/// Force of an ordinate when it is screened, as a share of what the port lacks or its noise leaves: small enough that a
+/// rotor does not stick for it.
+const UNIT: f64 = 0.05;
+
+/// A law that a model could have, and the model in the forms that could.
+pub(super) struct Tried {
+    pub law: Law,
+    pub port: String,
+    pub on: &'static str,
+    /// As in [`FreeForm::dry_share`](super::FreeForm::dry_share).
+    pub dry_share: f64,
+    drop: f64,
+    exact: Box<dyn Model>,
+    coarse: Box<dyn Model>,
+    observed: Box<dyn Model>,
+}
+
+impl Tried {
+    /// `None` where the model has no place for it.
+    fn of(models: &Models, law: Law, port: &str, on: &'static str) -> Option<Self> {
+        let exact = models.exact.knowing(&law)?;
+        let (coarse, observed) = (models.coarse.knowing(&law)?, models.observed.as_deref()?.knowing(&law)?);
+        Some(Self { law, port: port.to_owned(), on, dry_share: 0.0, drop: 0.0, exact, coarse, observed })
+    }
+
+    /// The model in its forms that have the law to choose from.
+    pub fn models<'a>(&'a self, of: &'a Models) -> Models<'a> {
+        Models {
+            data: of.data,
+            exact: self.exact.as_ref(),
+            coarse: self.coarse.clone(),
+            observed: Some(self.observed.clone()),
+            seen: of.seen.clone(),
+            dear: of.dear,
+        }
+    }
+
+    /// A candidate's set with the law.
+    pub fn set(&self, near: &Candidate) -> Vec<String> {
+        near.effects.iter().cloned().chain([self.law.effect()]).collect()
+    }
+}
+
+/// The curves that promise most beside a set, which is fitted under the observer.
+pub(super) fn promising(models: &Models, observed: &Candidate, ports: &[Port]) -> Vec<Tried> {
+    if models.dear {
+        return seen_at_ports(models, ports);
+    }
+    let mut all: Vec<Tried> =
+        ports.par_iter().flat_map_iter(|port| at_port(models, observed, port)).collect();
+    all.sort_by(|a, b| b.drop.total_cmp(&a.drop));
+    all.truncate(CURVES as usize);
+    all
+}
+
+/// The curves of dependences that the ports' missing signals show.
+fn seen_at_ports(models: &Models, ports: &[Port]) -> Vec<Tried> {
+    let felt = ports.iter().filter(|p| p.missing.is_felt()).take(PORTS);
+    let dependences = felt.flat_map(|port| {
+        let tried = port.depends.iter().filter_map(|d| {
+            let curve = d.curve.as_ref()?;
+            Tried::of(
+                models,
+                law(&port.missing, d.on, curve.points.clone(), curve.step)?,
+                &port.missing.name(),
+                d.on,
+            )
+        });
+        tried.take(DEPENDENCES).collect::<Vec<_>>()
+    });
+    dependences.take(CURVES_DEAR as usize).collect()
+}
+
+/// The curves at one port, each as strong as it takes most of the residual.
+fn at_port(models: &Models, observed: &Candidate, port: &Port) -> Vec<Tried> {
+    let (data, missing) = (models.data, &port.missing);
+    let rows = rows(data, observed, missing, step(&missing.runs));
+    let unit = UNIT * missing.rms.max(missing.std);
+    let of_form = |form: super::dependence::Form| {
+        let knots = form.knots.clone()?;
+        // A unit of what is multiplied by a signal is that of the port at the signal's size.
+        let size = |c: &Vec<f64>| c.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+        let factor = if form.times == "1" || form.times == "direction" {
+            1.0
+        } else {
+            form.columns.iter().map(size).fold(f64::MIN_POSITIVE, f64::max)
+        };
+        let points = (knots.clone(), vec![-unit / factor; knots.len()]);
+        let mut tried = Tried::of(models, law(missing, form.on, points, -unit)?, &missing.name(), form.on)?;
+        promise(models, observed, &mut tried)?;
+        Some(tried)
+    };
+    forms(&rows, missing.port.starts_with("sensor/")).into_iter().filter_map(of_form).collect()
+}
+
+/// Regresses the residual on what each ordinate of a law does; `None` where that is no more than chance gives.
+fn promise(models: &Models, observed: &Candidate, tried: &mut Tried) -> Option<()> {
+    let data = models.data;
+    let model = with_effects(tried.observed.as_ref(), &tried.set(observed), &models.seen).ok()?;
+    let own = format!("{}.", tried.law.effect());
+    let own: Vec<usize> =
+        (0..model.parameters().len()).filter(|&i| model.parameters()[i].name.starts_with(&own)).collect();
+    let stated = values_by_name(model.as_ref(), &observed.known());
+    let changed: Vec<Vec<Prediction>> = own
+        .par_iter()
+        .map(|&k| {
+            let mut values = stated.clone();
+            own.iter().filter(|&&i| i != k).for_each(|&i| values[i] = 0.0);
+            data.predict_outputs(model.as_ref(), &values).ok()
+        })
+        .collect::<Option<_>>()?;
+    let columns: Vec<&[Prediction]> = changed.iter().map(Vec::as_slice).collect();
+    let at = &observed.fit;
+    let signatures = Signatures::new(data, at, &at.evaluation.predictions, &columns);
+    let mut a = signatures.gram.clone();
+    let points = tried.law.curve.x.len().min(own.len());
+    if points == tried.law.curve.x.len() {
+        Smooth { first: 0, knots: &tried.law.curve.x }.add_to(&mut a);
+    }
+    let bound = tried.law.curve.times == Factor::Direction;
+    let all = solved(&a, &signatures.gradient, bound)?;
+    let fall = |x: &DVector<f64>| -(signatures.gradient.dot(x) + 0.5 * x.dot(&(&signatures.gram * x)));
+    tried.drop = fall(&all) - 0.5 * WORTH_PER_PARAMETER * own.len() as f64;
+    if points < own.len() {
+        // The dry friction beside a curve over the speed comes last.
+        let last = own.len() - 1;
+        let mut dry = DVector::zeros(own.len());
+        dry[last] =
+            (-signatures.gradient[last] / signatures.gram[(last, last)].max(f64::MIN_POSITIVE)).max(0.0);
+        tried.dry_share = fall(&dry) / fall(&all).max(f64::MIN_POSITIVE);
+        tried.law.curve.dry *= all[last].max(1e-3);
+    }
+    for (y, x) in tried.law.curve.y.iter_mut().zip(all.iter()).take(points) {
+        *y *= x;
+    }
+    let again = Tried::of(models, tried.law.clone(), &tried.port, tried.on)?;
+    *tried = Tried { dry_share: tried.dry_share, drop: tried.drop, ..again };
+    (tried.drop > 0.0).then_some(())
+}
+
+/// Solves normal equations for what lowers the cost most; amplitudes of a bound are not negative.
+fn solved(a: &DMatrix<f64>, gradient: &DVector<f64>, bound: bool) -> Option<DVector<f64>> {
+    let n = gradient.len();
+    let mut regular = a.clone();
+    let size = (0..n).map(|i| a[(i, i)]).fold(0.0, f64::max);
+    (0..n).for_each(|i| regular[(i, i)] += 1e-6 * size + f64::MIN_POSITIVE);
+    let mut x = -regular.cholesky()?.solve(gradient);
+    if bound {
+        x.iter_mut().for_each(|v| *v = v.max(0.0));
+    }
+    x.iter().all(|v| v.is_finite()).then_some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::solved;
+    use nalgebra::{DMatrix, DVector};
+
+    #[test]
+    fn analytic_amplitudes_solve_and_a_bound_does_not_push() {
+        let a = DMatrix::from_diagonal(&DVector::from_vec(vec![2.0, 4.0]));
+        let gradient = DVector::from_vec(vec![-2.0, 4.0]);
+        let free = solved(&a, &gradient, false).expect("regular");
+        assert!((free[0] - 1.0).abs() < 1e-5 && (free[1] + 1.0).abs() < 1e-5, "{free}");
+        assert_eq!(solved(&a, &gradient, true).expect("regular")[1], 0.0);
+    }
+}
