@@ -17,7 +17,7 @@ use super::{values_by_name, with_effects};
 use crate::fit::Signatures;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use sealegs_model::{Factor, Law, Model, Prediction};
+use sealegs_model::{Curve, Factor, Law, Model, Prediction};
 
 /// Ports and dependences of each that are tried where a simulation is dear.
 const PORTS: usize = 2;
@@ -27,6 +27,19 @@ const DEPENDENCES: usize = 3;
 /// rotor does not stick for it.
 const UNIT: f64 = 0.05;
 
+/// Shares of the greatest diagonal element that hold amplitudes near zero, until they promise no more than there is to gain.
+const RIDGES: [f64; 3] = [1e-6, 1e-4, 1e-2];
+
+/// Times that knots are moved: each halves the distance of two, from a tenth of the range to the hundredth that a signal's noise
+/// blurs.
+const ROUNDS: usize = 4;
+
+/// Most knots of a curve, each of which is a parameter.
+const MOST_KNOTS: usize = 12;
+
+/// Ratio in what a curve promises that is worth moving its knots.
+const WORTH_MOVING: f64 = 1.02;
+
 /// A law that a model could have, and the model in the forms that could.
 pub(super) struct Tried {
     pub law: Law,
@@ -35,6 +48,8 @@ pub(super) struct Tried {
     /// As in [`FreeForm::dry_share`](super::FreeForm::dry_share).
     pub dry_share: f64,
     drop: f64,
+    /// The ordinate that it was screened with.
+    unit: f64,
     exact: Box<dyn Model>,
     coarse: Box<dyn Model>,
     observed: Box<dyn Model>,
@@ -42,10 +57,20 @@ pub(super) struct Tried {
 
 impl Tried {
     /// `None` where the model has no place for it.
-    fn of(models: &Models, law: Law, port: &str, on: &'static str) -> Option<Self> {
+    fn of(models: &Models, law: Law, port: &str, on: &'static str, unit: f64) -> Option<Self> {
         let exact = models.exact.knowing(&law)?;
         let (coarse, observed) = (models.coarse.knowing(&law)?, models.observed.as_deref()?.knowing(&law)?);
-        Some(Self { law, port: port.to_owned(), on, dry_share: 0.0, drop: 0.0, exact, coarse, observed })
+        Some(Self {
+            law,
+            port: port.to_owned(),
+            on,
+            dry_share: 0.0,
+            drop: 0.0,
+            unit,
+            exact,
+            coarse,
+            observed,
+        })
     }
 
     /// The model in its forms that have the law to choose from.
@@ -75,7 +100,45 @@ pub(super) fn promising(models: &Models, observed: &Candidate, ports: &[Port]) -
         ports.par_iter().flat_map_iter(|port| at_port(models, observed, port)).collect();
     all.sort_by(|a, b| b.drop.total_cmp(&a.drop));
     all.truncate(CURVES as usize);
-    all
+    all.into_par_iter().map(|tried| refined(models, observed, tried)).collect()
+}
+
+/// The curve with knots moved to where it bends most, as long as that helps: a bump is narrower than even knots are apart.
+fn refined(models: &Models, observed: &Candidate, mut tried: Tried) -> Tried {
+    for _ in 0..ROUNDS {
+        let Curve { x, y, .. } = &tried.law.curve;
+        let mut law = tried.law.clone();
+        law.curve.x = closer_knots(x, y);
+        law.curve.y = vec![tried.unit; law.curve.x.len()];
+        law.curve.dry = if law.curve.dry > 0.0 { tried.unit.abs() } else { 0.0 };
+        let Some(mut next) = Tried::of(models, law, &tried.port, tried.on, tried.unit) else { break };
+        if promise(models, observed, &mut next).is_none() || next.drop < WORTH_MOVING * tried.drop {
+            break;
+        }
+        tried = next;
+    }
+    tried
+}
+
+/// Knots with two more beside the one where the curve bends most, and as many of those less where it bends least.
+fn closer_knots(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    let bend = |k: usize| {
+        let along = (x[k] - x[k - 1]) / (x[k + 1] - x[k - 1]);
+        (y[k] - y[k - 1] - along * (y[k + 1] - y[k - 1])).abs()
+    };
+    let mut inner: Vec<usize> = (1..n.saturating_sub(1)).collect();
+    inner.sort_by(|&a, &b| bend(b).total_cmp(&bend(a)));
+    let Some(&most) = inner.first() else { return x.to_vec() };
+    let more = [0.5 * (x[most - 1] + x[most]), 0.5 * (x[most] + x[most + 1])];
+    // Its neighbours stay, or the curve could not come down beside it.
+    let stays = |k: &usize| k.abs_diff(most) <= 1;
+    let (near, mut far): (Vec<usize>, Vec<usize>) = inner.iter().copied().partition(stays);
+    far.truncate(MOST_KNOTS.saturating_sub(near.len() + more.len() + 2));
+    let mut knots: Vec<f64> = near.iter().chain(&far).chain([&0, &(n - 1)]).map(|&k| x[k]).collect();
+    knots.extend(more);
+    knots.sort_by(f64::total_cmp);
+    knots
 }
 
 /// The curves of dependences that the ports' missing signals show.
@@ -84,12 +147,8 @@ fn seen_at_ports(models: &Models, ports: &[Port]) -> Vec<Tried> {
     let dependences = felt.flat_map(|port| {
         let tried = port.depends.iter().filter_map(|d| {
             let curve = d.curve.as_ref()?;
-            Tried::of(
-                models,
-                law(&port.missing, d.on, curve.points.clone(), curve.step)?,
-                &port.missing.name(),
-                d.on,
-            )
+            let law = law(&port.missing, d.on, curve.points.clone(), curve.step)?;
+            Tried::of(models, law, &port.missing.name(), d.on, 0.0)
         });
         tried.take(DEPENDENCES).collect::<Vec<_>>()
     });
@@ -111,7 +170,9 @@ fn at_port(models: &Models, observed: &Candidate, port: &Port) -> Vec<Tried> {
             form.columns.iter().map(size).fold(f64::MIN_POSITIVE, f64::max)
         };
         let points = (knots.clone(), vec![-unit / factor; knots.len()]);
-        let mut tried = Tried::of(models, law(missing, form.on, points, -unit)?, &missing.name(), form.on)?;
+        let law = law(missing, form.on, points, -unit)?;
+        let first = law.curve.y[0];
+        let mut tried = Tried::of(models, law, &missing.name(), form.on, first)?;
         promise(models, observed, &mut tried)?;
         Some(tried)
     };
@@ -143,8 +204,10 @@ fn promise(models: &Models, observed: &Candidate, tried: &mut Tried) -> Option<(
         Smooth { first: 0, knots: &tried.law.curve.x }.add_to(&mut a);
     }
     let bound = tried.law.curve.times == Factor::Direction;
-    let all = solved(&a, &signatures.gradient, bound)?;
     let fall = |x: &DVector<f64>| -(signatures.gradient.dot(x) + 0.5 * x.dot(&(&signatures.gram * x)));
+    // Where ordinates can hardly be told from base parameters, rounding promises more than there is.
+    let held = RIDGES.iter().filter_map(|ridge| solved(&a, &signatures.gradient, *ridge, bound));
+    let all = held.into_iter().find(|x| fall(x) <= at.cost)?;
     tried.drop = fall(&all) - 0.5 * WORTH_PER_PARAMETER * own.len() as f64;
     if points < own.len() {
         // The dry friction beside a curve over the speed comes last.
@@ -158,17 +221,17 @@ fn promise(models: &Models, observed: &Candidate, tried: &mut Tried) -> Option<(
     for (y, x) in tried.law.curve.y.iter_mut().zip(all.iter()).take(points) {
         *y *= x;
     }
-    let again = Tried::of(models, tried.law.clone(), &tried.port, tried.on)?;
+    let again = Tried::of(models, tried.law.clone(), &tried.port, tried.on, tried.unit)?;
     *tried = Tried { dry_share: tried.dry_share, drop: tried.drop, ..again };
     (tried.drop > 0.0).then_some(())
 }
 
 /// Solves normal equations for what lowers the cost most; amplitudes of a bound are not negative.
-fn solved(a: &DMatrix<f64>, gradient: &DVector<f64>, bound: bool) -> Option<DVector<f64>> {
+fn solved(a: &DMatrix<f64>, gradient: &DVector<f64>, ridge: f64, bound: bool) -> Option<DVector<f64>> {
     let n = gradient.len();
     let mut regular = a.clone();
     let size = (0..n).map(|i| a[(i, i)]).fold(0.0, f64::max);
-    (0..n).for_each(|i| regular[(i, i)] += 1e-6 * size + f64::MIN_POSITIVE);
+    (0..n).for_each(|i| regular[(i, i)] += ridge * size + f64::MIN_POSITIVE);
     let mut x = -regular.cholesky()?.solve(gradient);
     if bound {
         x.iter_mut().for_each(|v| *v = v.max(0.0));
@@ -178,15 +241,25 @@ fn solved(a: &DMatrix<f64>, gradient: &DVector<f64>, bound: bool) -> Option<DVec
 
 #[cfg(test)]
 mod tests {
-    use super::solved;
+    use super::{closer_knots, solved};
     use nalgebra::{DMatrix, DVector};
+
+    #[test]
+    fn analytic_knots_move_to_the_bend() {
+        let x: Vec<f64> = (0..12).map(f64::from).collect();
+        let mut y = vec![0.0; 12];
+        y[4] = 1.0;
+        let knots = closer_knots(&x, &y);
+        assert!(knots.len() == 12 && knots.is_sorted(), "{knots:?}");
+        assert!([0.0, 3.0, 3.5, 4.0, 4.5, 5.0, 11.0].iter().all(|k| knots.contains(k)), "{knots:?}");
+    }
 
     #[test]
     fn analytic_amplitudes_solve_and_a_bound_does_not_push() {
         let a = DMatrix::from_diagonal(&DVector::from_vec(vec![2.0, 4.0]));
         let gradient = DVector::from_vec(vec![-2.0, 4.0]);
-        let free = solved(&a, &gradient, false).expect("regular");
+        let free = solved(&a, &gradient, 1e-6, false).expect("regular");
         assert!((free[0] - 1.0).abs() < 1e-5 && (free[1] + 1.0).abs() < 1e-5, "{free}");
-        assert_eq!(solved(&a, &gradient, true).expect("regular")[1], 0.0);
+        assert_eq!(solved(&a, &gradient, 1e-6, true).expect("regular")[1], 0.0);
     }
 }

@@ -160,7 +160,8 @@ pub(super) fn forms(rows: &Rows, sensor: bool) -> Vec<Form> {
         Form { on, over, times: "1", columns: hats(x, &knots), knots: Some(knots) }
     };
     let times = |on, over, times, x: &[f64], factor: &[f64]| {
-        let knots = quantiles(x, FEW_KNOTS);
+        // Dirt or a dent on a screw is a narrow bump.
+        let knots = quantiles(x, if over == internal::SCREW_POSITION { KNOTS } else { FEW_KNOTS });
         let columns = hats(x, &knots).into_iter().map(|c| by(c, factor)).collect();
         Form { on, over, times, columns, knots: Some(knots) }
     };
