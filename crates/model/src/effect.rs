@@ -37,10 +37,13 @@ impl EffectCard {
     /// The parameter that makes an effect periodic.
     pub const PHASE: &'static str = "phase_rad";
 
+    /// How the parameter is called, up to its unit, after which an effect repeats.
+    pub const PERIOD: &'static str = "period";
+
     /// Whether the effect repeats with some coordinate; see [`EffectCard::parameters`].
     #[must_use]
     pub fn is_periodic(&self) -> bool {
-        self.parameters.iter().any(|p| p.name == Self::PHASE)
+        self.parameters.iter().any(|p| p.name == Self::PHASE || p.name.starts_with(Self::PERIOD))
     }
 }
 

@@ -6,6 +6,11 @@ use crate::plant::{DryFriction, Plant, Slip};
 use sealegs_model::{EffectCard, Parameter, SimplerLaw};
 use std::f64::consts::TAU;
 
+/// Shortest period that is tried, in turns of the screw, and the ratio of each to the one before.
+const SHORTEST: f64 = 0.2;
+/// See [`SHORTEST`].
+const APART: f64 = 1.15;
+
 /// Dry friction that rises and falls along the screw.
 #[derive(Debug)]
 pub struct PositionDependentFriction;
@@ -14,16 +19,17 @@ impl Effect for PositionDependentFriction {
     fn card(&self, setting: &Setting) -> EffectCard {
         let (force, travel) = (setting.force(), setting.travel());
         let turn = TAU * setting.travel_per_rad;
-        let variation = Parameter { typical: 0.2, ..Parameter::new("variation", "", 0.5, 0.0, 1.0) };
+        let variation = Parameter { typical: 0.2, ..Parameter::new("variation", "", 0.8, 0.0, 1.0) };
         let place = setting.amount("place", Quantity::Length, 0.05 * turn, 2.0 * travel.max(turn));
+        // A ball that comes round, a turn of the screw, the whole travel. Between two periods that differ by more than half a
+        // wave along the travel nothing leads from one to the other.
+        let longest = 4.0 * travel.max(turn);
+        let periods = std::iter::successors(Some(SHORTEST * turn), |p| Some(APART * p));
+        let periods = periods.take_while(move |p| *p < longest);
         let parameters = vec![
-            with_starts(setting.amount("force", Quantity::Force, 0.03 * force, 2.0 * force), [0.15 * force]),
-            with_starts(variation, [0.9]),
-            // A turn of the screw, a ball that comes round, the whole travel.
-            with_starts(
-                setting.magnitude("period", Quantity::Length, turn, 0.02 * turn, 4.0 * travel.max(turn)),
-                [0.3 * turn, 0.5 * turn, 0.7 * turn, 2.0 * turn, 0.5 * travel, travel],
-            ),
+            setting.amount("force", Quantity::Force, 0.03 * force, 2.0 * force),
+            variation,
+            with_starts(setting.magnitude("period", Quantity::Length, turn, 0.02 * turn, longest), periods),
             Parameter {
                 neutral: None,
                 min: -place.max,

@@ -58,10 +58,11 @@ fn quantity(name: &str) -> &'static str {
     const WORDS: [(&str, &[&str]); 6] = [
         ("time", &["time"]),
         ("past", &["past", "history", "delay"]),
-        ("speed", &["speed", "velocity", "direction", "sign"]),
         ("position", &["position", "extension", "angle", "place"]),
         ("load", &["load", "deflection", "force", "torque", "value", "signal"]),
         ("command", &["command", "current", "input"]),
+        // Last, as the direction is a factor of a bound that depends on something else.
+        ("speed", &["speed", "velocity", "direction", "sign"]),
     ];
     let name = name.to_lowercase();
     WORDS.iter().find(|(_, words)| words.iter().any(|w| name.contains(w))).map_or("", |(what, _)| what)
@@ -86,6 +87,9 @@ mod tests {
             (true, true)
         );
         assert_eq!(judged("rotor", "position", &said("rotor", &["direction"])), (true, false));
+        let bound = said("rotor", &["direction and position"]);
+        assert_eq!(judged("rotor", "position", &bound), (true, true));
+        assert_eq!(judged("rotor", "direction", &bound), (true, false));
         assert_eq!(judged("rotor", "position", &said("spring", &["extension"])), (false, false));
         assert_eq!(judged("spring", "deflection", &said("knee/spring", &["load"])), (true, true));
         assert_eq!(judged("command", "command", &said("drive", &["current_a"])), (true, true));
