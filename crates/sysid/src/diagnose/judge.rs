@@ -123,7 +123,7 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
     let held_out = |i: usize| found.tried[i].held_out(holdout);
     let base = &found.tried[0];
     let base_holdout = held_out(0)?;
-    let (named_set, mut traces) = named(found, &held_out, (base_holdout.rms, floor))?;
+    let (named_set, mut traces) = named(found, &held_out, (base_holdout.rms, floor));
     let missing = excess(base_holdout.rms, floor);
     let share_of = |at: &Evaluation| {
         if missing > 0.0 { (excess(at.rms, floor) / missing).min(1.0) } else { 0.0 }
@@ -148,15 +148,16 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
             if partly { VerdictKind::PartlyExplained } else { VerdictKind::Unexplained }
         })
     };
-    let mut index = named_set;
-    let mut chosen_holdout = held_out(index)?;
+    // What the held-out runs cannot be simulated with explains nothing of them.
+    let (mut index, mut chosen_holdout) =
+        held_out(named_set).map_or_else(|_| (0, base_holdout.clone()), |at| (named_set, at));
     let mut kind = kind_of(index, &chosen_holdout)?;
     if kind == VerdictKind::Unexplained {
         // Of a set that does not hold up as a whole a part may: the one that leaves least.
         let mut parts = Vec::new();
-        let is_part = |i: &usize| *i != index && !found.tried[*i].effects.is_empty();
-        for part in steps_to(found, index, &held_out).into_iter().filter(is_part) {
-            let at = held_out(part)?;
+        let is_part = |i: &usize| *i != named_set && !found.tried[*i].effects.is_empty();
+        for part in steps_to(found, named_set, &held_out).into_iter().filter(is_part) {
+            let Ok(at) = held_out(part) else { continue };
             let of_part = kind_of(part, &at)?;
             if of_part != VerdictKind::Unexplained {
                 parts.push((part, at, of_part));
@@ -210,7 +211,8 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
     let law = match found.laws.iter().position(|law| law.beside == named) {
         Some(which) => {
             let with = &found.laws[which].with;
-            let (rms, without) = (with.held_out(holdout)?.rms, held_out(named)?.rms);
+            let of = |at: Result<Evaluation, Error>| at.map_or(f64::INFINITY, |at| at.rms);
+            let (rms, without) = (of(with.held_out(holdout)), of(held_out(named)));
             let explained = 1.0 - excess(rms, floor) / excess(without, floor).max(f64::MIN_POSITIVE);
             let judged = LawJudged { which, holdout_error: rms, fit_error: with.fit.error(), explained };
             (explained >= WORTH_NAMING).then_some(judged)
@@ -241,28 +243,25 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
 type HeldOut<'a> = dyn Fn(usize) -> Result<Evaluation, Error> + 'a;
 
 /// The chosen set without its traces, and these.
-fn named(
-    found: &Found,
-    held_out: &HeldOut,
-    (base, floor): (f64, f64),
-) -> Result<(usize, Vec<String>), Error> {
+fn named(found: &Found, held_out: &HeldOut, (base, floor): (f64, f64)) -> (usize, Vec<String>) {
+    let of = |i: usize| held_out(i).map_or(f64::INFINITY, |at| at.rms);
     let (mut index, mut traces) = (found.chosen, Vec::new());
     let least = NAMED_SHARE * (base - floor).max(0.0);
     loop {
         let effects = &found.tried[index].effects;
         if effects.len() < 2 {
-            return Ok((index, traces));
+            return (index, traces);
         }
-        let error = held_out(index)?.rms;
+        let error = of(index);
         let mut next: Option<(usize, &String, f64)> = None;
         for effect in effects {
             let Some(rest) = found.index_of(&all_but(effects, effect)) else { continue };
-            let taken = held_out(rest)?.rms - error;
+            let taken = of(rest) - error;
             if taken < least && next.is_none_or(|(.., other)| taken < other) {
                 next = Some((rest, effect, taken));
             }
         }
-        let Some((rest, effect, _)) = next else { return Ok((index, traces)) };
+        let Some((rest, effect, _)) = next else { return (index, traces) };
         traces.push(effect.clone());
         index = rest;
     }
@@ -279,7 +278,7 @@ fn steps_to(found: &Found, last: usize, held_out: &HeldOut) -> Vec<usize> {
     while let Some(&index) = steps.last().filter(|&&i| !found.tried[i].effects.is_empty()) {
         let effects = &found.tried[index].effects;
         let without = effects.iter().filter_map(|e| found.index_of(&all_but(effects, e)));
-        let error = |i: usize| held_out(i).map_or(f64::INFINITY, |e| e.rms);
+        let error = |i: usize| held_out(i).map_or(f64::INFINITY, |at| at.rms);
         match without.map(|i| (i, error(i))).min_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((next, _)) => steps.push(next),
             None => steps.push(0),
