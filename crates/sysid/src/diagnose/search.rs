@@ -46,7 +46,28 @@ pub(super) struct Search<'a> {
 impl Search<'_> {
     /// Grows, exchanges and prunes from the base model (`tried[0]`); the index of the best set.
     pub fn run(&mut self) -> usize {
-        let mut best = 0;
+        let (mut best, mut last) = self.grown_from(0);
+        let other = if last { best } else { self.others_alone(best) };
+        if other != best {
+            (best, last) = self.grown_from(other);
+        }
+        if last {
+            return best;
+        }
+        for _ in 0..ROUNDS {
+            let before = best;
+            best = self.exchanged(best);
+            best = self.pruned(best);
+            if best == before {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Adds effects to a set as long as that is clearly better; the index of the last set, and whether it leaves so little
+    /// that the last one was looked at once.
+    fn grown_from(&mut self, mut best: usize) -> (usize, bool) {
         while self.tried[best].effects.len() < MOST_EFFECTS as usize && !self.at_floor(best) {
             // What is less than the contract's share of the base model's error is a trace: it is looked at once.
             let last = self.is_explained(best);
@@ -62,18 +83,40 @@ impl Search<'_> {
             best = better;
             self.refine_steps(best);
             if last {
-                return best;
+                return (best, true);
             }
         }
-        for _ in 0..ROUNDS {
-            let before = best;
-            best = self.exchanged(best);
-            best = self.pruned(best);
-            if best == before {
-                break;
-            }
+        (best, false)
+    }
+
+    /// Where the best set leaves something, every effect that was not fitted alone is, from where it promises most in open
+    /// loop and under the observer: a resonance that starts in the wrong place promises nothing. The index of the best one if it is clearly better
+    /// than the best set.
+    fn others_alone(&mut self, best: usize) -> usize {
+        let (models, base) = (&self.models, self.tried[0].clone());
+        if models.dear || best == 0 && self.at_floor(best) || models.is_settled(&self.tried[best], &base) {
+            return best;
         }
-        best
+        let cards = addable(base.model.as_ref(), &models.seen, &self.admitted);
+        let mut promises = self.at(&base, &cards).promises;
+        promises.retain(|p| self.tried.iter().all(|t| t.effects != std::slice::from_ref(&p.effect)));
+        (self.progress)(Progress::Fitting {
+            sets: promises.iter().map(|p| vec![p.effect.clone()]).collect(),
+        });
+        let from = |p: &Promise| {
+            let known: Known = base.known().into_iter().chain(p.start.iter().cloned()).collect();
+            self.models.fitted(&base, std::slice::from_ref(&p.effect), &known, None)
+        };
+        let fit = |p: &Promise| {
+            let observed = self.promises.iter().find(|o| o.effect == p.effect);
+            let both = observed.and_then(from).into_iter().chain(from(p));
+            both.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
+        };
+        let fitted: Vec<Candidate> = promises.par_iter().filter_map(fit).collect();
+        let first = self.tried.len();
+        self.tried.extend(fitted);
+        let indices: Vec<usize> = (first..self.tried.len()).collect();
+        self.best_of(&indices, best)
     }
 
     /// Fits what screening promises beside a set; the indices.
@@ -253,6 +296,12 @@ impl Search<'_> {
             models.finish_best(&mut rest);
         }
         fitted.extend(rest);
+        let least = |n: &Candidate| (n.effects.len(), n.fit.cost);
+        let fewest = fitted.iter_mut().reduce(|a, b| if least(b) < least(a) { b } else { a });
+        if let Some(fewest) = fewest.filter(|_| !settled && !models.dear) {
+            // A choice that is wrong beside it may look like one effect more.
+            self.with_its_choice(fewest);
+        }
         self.tried.extend(fitted);
         known.into_iter().chain(first..self.tried.len()).collect()
     }
@@ -264,10 +313,14 @@ impl Search<'_> {
             return false;
         }
         let best = fitted.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
-        let Some(best) = best else { return false };
-        let before = best.fit.cost;
-        *best = self.models.settled(best.clone()).0;
-        best.fit.cost < before - EQUAL_COST
+        best.is_some_and(|best| self.with_its_choice(best))
+    }
+
+    /// Fits a set under the base model's other discrete choices; whether another one is better.
+    fn with_its_choice(&self, set: &mut Candidate) -> bool {
+        let before = set.fit.cost;
+        *set = self.models.settled(set.clone()).0;
+        set.fit.cost < before - EQUAL_COST
     }
 
     /// Fits a set that leaves something again, as [`Models::grown`] from the one that it grew from: what rests at the wrong
