@@ -11,7 +11,7 @@ pub use controller::{ControllerKind, ControllerSpec, CurrentFile, JointGains, Mo
 pub(crate) use file::MOST_STEPS;
 pub use file::{preset_names, preset_text};
 
-use crate::dynamics::contact::Ground;
+pub use crate::dynamics::contact::Ground;
 use crate::dynamics::stop::StopLaw;
 use sealegs_actuator::Configuration;
 use sealegs_actuator::excitation::Profile;
@@ -56,7 +56,7 @@ pub struct Scenario {
     pub start: StartSpec,
     /// The ground; without the table there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ground: Option<GroundSpec>,
+    pub ground: Option<Ground>,
     /// Joint stops.
     #[serde(default)]
     pub stops: StopSpec,
@@ -174,60 +174,6 @@ pub struct StartSpec {
     /// Load of the springs.
     #[serde(default)]
     pub springs: SpringStart,
-}
-
-/// The ground and what touching it is like. The defaults let four corners sink 1 mm under 350 N: an
-/// estimate of a shoe sole on a hard floor.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct GroundSpec {
-    /// Height of the plane at x = y = 0, m.
-    pub height_m: f64,
-    /// Slope, rad; positive rises forward.
-    pub slope_rad: f64,
-    /// Coulomb coefficient.
-    pub friction: f64,
-    /// Stiffness of one sole point `k` in `N = k d^n (1 + c d')`, N/m^n.
-    pub stiffness_n_m_n: f64,
-    /// Exponent `n`.
-    pub exponent: f64,
-    /// Damping `c`, s/m.
-    pub damping_s_m: f64,
-    /// Stiffness of a sole point's friction bristle, N/m.
-    pub bristle_stiffness_n_m: f64,
-    /// Damping of a sole point's friction bristle, N s/m.
-    pub bristle_damping_n_s_m: f64,
-}
-
-impl Default for GroundSpec {
-    fn default() -> Self {
-        let g = Ground::default();
-        Self {
-            height_m: g.height_m,
-            slope_rad: g.slope_rad,
-            friction: g.friction,
-            stiffness_n_m_n: g.stiffness_n_m_n,
-            exponent: g.exponent,
-            damping_s_m: g.damping_s_m,
-            bristle_stiffness_n_m: g.bristle_stiffness_n_m,
-            bristle_damping_n_s_m: g.bristle_damping_n_s_m,
-        }
-    }
-}
-
-impl From<GroundSpec> for Ground {
-    fn from(g: GroundSpec) -> Self {
-        Self {
-            height_m: g.height_m,
-            slope_rad: g.slope_rad,
-            friction: g.friction,
-            stiffness_n_m_n: g.stiffness_n_m_n,
-            exponent: g.exponent,
-            damping_s_m: g.damping_s_m,
-            bristle_stiffness_n_m: g.bristle_stiffness_n_m,
-            bristle_damping_n_s_m: g.bristle_damping_n_s_m,
-        }
-    }
 }
 
 /// Joint stops beyond the URDF's limits.

@@ -2,7 +2,7 @@
 
 use super::sample::{ActuatorModel, LegDescription};
 use crate::LegError;
-use crate::dynamics::contact::{Contact, Ground, SolePoint, sole_points};
+use crate::dynamics::contact::{Contact, SolePoint, sole_points};
 use crate::dynamics::coupling::{Actuator, place_sprung_mass};
 use crate::dynamics::drive::{Servo, ServoLaw};
 use crate::dynamics::engine::{Base, Engine};
@@ -92,7 +92,7 @@ impl Parts {
         // A robot that hangs in the air needs none, and hulls of fine meshes take their time.
         let lands = scenario.ground.is_some() || matches!(scenario.base, BaseSpec::Rail { .. });
         let points = if lands { all_sole_points(&robot, &tree) } else { Vec::new() };
-        let ground = scenario.ground.map(Ground::from);
+        let ground = scenario.ground;
         let (base, height) = match scenario.base {
             BaseSpec::Fixed { height_m } => (Base::Fixed, height_m),
             BaseSpec::Rail { carriage_mass_kg } => {
@@ -273,7 +273,7 @@ fn all_sole_points(robot: &Robot, tree: &Tree) -> Vec<SolePoint> {
 /// The height at which the lowest sole point is `drop_height_m` above the ground, measured vertically.
 fn base_height(scenario: &Scenario, robot: &Robot, tree: &Tree, points: &[SolePoint], q: &[f64]) -> f64 {
     let posture = robot.posture(&Isometry3::identity(), q);
-    let ground = scenario.ground.map(Ground::from).unwrap_or_default();
+    let ground = scenario.ground.unwrap_or_default();
     let normal: nalgebra::Vector3<f64> = ground.normal().into();
     let lowest = points
         .iter()

@@ -2,7 +2,7 @@
 
 use super::bodies::{Body, Moving};
 use nalgebra::{Isometry3, Point3, Vector3};
-use sealegs_leg::scenario::GroundSpec;
+use sealegs_leg::scenario;
 
 /// Corners of a sole.
 pub(super) const CORNERS: usize = 4;
@@ -13,7 +13,7 @@ pub(super) type Bristles = [[f64; 2]; CORNERS];
 /// A level ground and the corners that touch it.
 #[derive(Debug, Clone)]
 pub(super) struct Ground {
-    pub law: GroundSpec,
+    pub law: scenario::Ground,
     /// The link with the sole, by index.
     pub link: usize,
     /// In the link's frame, m.

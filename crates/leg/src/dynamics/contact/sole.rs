@@ -16,7 +16,7 @@
 
 use super::{Ground, Touch};
 use crate::dynamics::engine::Engine;
-use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, Point3, SMatrix, Vector3, Vector6};
 
 /// Steps from one look at the mass matrix to the next: what it is off by counts in second order.
 const LOOK_EVERY: usize = 10;
@@ -35,12 +35,14 @@ pub(super) struct Sole {
     wrench: Vector6<f64>,
 }
 
-/// What a point does to the body's velocity.
+/// A point that touches, while its force is found.
 struct Pressed {
     /// `P`.
     velocity: SMatrix<f64, 3, 6>,
     /// Elastic force along the normal, N.
     elastic: f64,
+    /// Velocity along the plane, m/s.
+    sliding: Vector3<f64>,
     pulls: bool,
     /// The friction that it slips with, N.
     slips: Option<Vector3<f64>>,
@@ -64,64 +66,37 @@ impl Sole {
             return;
         }
         if self.steps.is_multiple_of(LOOK_EVERY) {
-            let j = engine.jacobian(self.body);
-            let factor = engine.mass_matrix().cholesky();
-            let solved = factor.map(|factor| j * factor.solve(&j.transpose()));
-            self.mobility = solved.map_or_else(Matrix6::zeros, |w| Matrix6::from_fn(|i, k| w[(i, k)]));
+            self.mobility = engine.body_mobility(self.body);
         }
         self.steps += 1;
         let state = &engine.states[self.body];
         let extrapolated =
             Vector6::from_fn(|i, _| if i < 3 { state.twist.linear[i] } else { state.twist.angular[i - 3] });
-        let mut pressed: Vec<Pressed> = touches
-            .iter()
-            .map(|touch| {
-                let mut velocity = SMatrix::<f64, 3, 6>::zeros();
-                velocity.fixed_columns_mut::<3>(0).copy_from(&Matrix3::identity());
-                let arm = touch.at - state.com;
-                velocity.fixed_columns_mut::<3>(3).copy_from(&-arm.cross_matrix());
-                Pressed {
-                    velocity,
-                    elastic: ground.elastic_force_n(touch.depth_m),
-                    pulls: false,
-                    slips: None,
-                }
-            })
-            .collect();
-        let across = Matrix3::identity() - normal * normal.transpose();
+        let pressed = |touch: &&mut Touch| Pressed::of(touch, &state.com, ground);
+        let mut pressed: Vec<Pressed> = touches.iter().map(pressed).collect();
         let half = self.mobility * (0.5 * step_s);
-        for round in 1..=ROUNDS {
+        for _ in 0..ROUNDS {
             let (mut damping, mut rest) = (Matrix6::zeros(), -self.wrench);
             for (p, touch) in pressed.iter().zip(touches.iter()) {
-                let normal_damping = normal * normal.transpose() * (ground.damping_s_m * p.elastic);
-                let (mut c, mut g) = (Matrix3::zeros(), p.slips.unwrap_or_default());
-                if !p.pulls {
-                    c += normal_damping;
-                    g += normal * p.elastic;
-                }
-                if p.slips.is_none() {
-                    c += across * ground.bristle_damping_n_s_m;
-                    g -= touch.bristle * ground.bristle_stiffness_n_m;
-                }
+                let (c, g) = p.linear(touch, (ground, normal));
                 damping += p.velocity.transpose() * c * p.velocity;
                 rest += p.velocity.transpose() * g;
             }
             let matrix = Matrix6::identity() + half * damping;
             let twist = matrix.lu().solve(&(extrapolated + half * rest)).unwrap_or(extrapolated);
-            let settled = pressed
-                .iter_mut()
-                .zip(touches.iter_mut())
-                .fold(true, |settled, (p, touch)| p.force(touch, &twist, (ground, normal)) && settled);
-            if settled || round == ROUNDS {
+            let mut settled = true;
+            for (p, touch) in pressed.iter_mut().zip(touches.iter_mut()) {
+                settled &= p.force(touch, &twist, (ground, normal));
+            }
+            if settled {
                 break;
             }
         }
         self.wrench = Vector6::zeros();
         for (p, touch) in pressed.iter().zip(touches.iter_mut()) {
             if let Some(held) = p.slips {
-                let sliding = touch.sliding;
                 touch.bristle =
-                    (held + sliding * ground.bristle_damping_n_s_m) / -ground.bristle_stiffness_n_m;
+                    (held + p.sliding * ground.bristle_damping_n_s_m) / -ground.bristle_stiffness_n_m;
             }
             self.wrench += p.velocity.transpose() * touch.force;
         }
@@ -129,6 +104,33 @@ impl Sole {
 }
 
 impl Pressed {
+    fn of(touch: &Touch, com: &Point3<f64>, ground: &Ground) -> Self {
+        let mut velocity = SMatrix::<f64, 3, 6>::zeros();
+        velocity.fixed_columns_mut::<3>(0).copy_from(&Matrix3::identity());
+        velocity.fixed_columns_mut::<3>(3).copy_from(&-(touch.at - com).cross_matrix());
+        let elastic = ground.elastic_force_n(touch.depth_m);
+        Self { velocity, elastic, sliding: Vector3::zeros(), pulls: false, slips: None }
+    }
+
+    /// `C` and `g`, as far as it is known whether the point pulls or slips.
+    fn linear(
+        &self,
+        touch: &Touch,
+        (ground, normal): (&Ground, &Vector3<f64>),
+    ) -> (Matrix3<f64>, Vector3<f64>) {
+        let along = normal * normal.transpose();
+        let (mut c, mut g) = (Matrix3::zeros(), self.slips.unwrap_or_default());
+        if !self.pulls {
+            c += along * (ground.damping_s_m * self.elastic);
+            g += normal * self.elastic;
+        }
+        if self.slips.is_none() {
+            c += (Matrix3::identity() - along) * ground.bristle_damping_n_s_m;
+            g -= touch.bristle * ground.bristle_stiffness_n_m;
+        }
+        (c, g)
+    }
+
     /// The force on a point at a twist of its body; whether it was solved for like this.
     fn force(
         &mut self,
@@ -139,12 +141,12 @@ impl Pressed {
         let velocity = self.velocity * twist;
         let rising = velocity.dot(normal);
         let push = self.elastic * (1.0 - ground.damping_s_m * rising);
-        touch.sliding = velocity - normal * rising;
+        self.sliding = velocity - normal * rising;
         let wanted =
-            touch.bristle * -ground.bristle_stiffness_n_m - touch.sliding * ground.bristle_damping_n_s_m;
+            touch.bristle * -ground.bristle_stiffness_n_m - self.sliding * ground.bristle_damping_n_s_m;
         let (bound, size) = (ground.friction * push.max(0.0), wanted.norm());
         let pulls = push < 0.0;
-        let slips = (size > bound).then(|| if size > 0.0 { wanted * (bound / size) } else { wanted });
+        let slips = (size > bound).then(|| wanted * (bound / size));
         touch.force = normal * push.max(0.0) + slips.unwrap_or(wanted);
         let settled = pulls == self.pulls && slips.is_some() == self.slips.is_some();
         (self.pulls, self.slips) = (pulls, slips);

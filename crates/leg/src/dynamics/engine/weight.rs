@@ -2,7 +2,7 @@
 
 use super::Engine;
 use crate::robot::Inertial;
-use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix6, Point3, Vector3};
 
 impl Engine {
     /// The mass matrix of the bodies at the present poses, in the engine's order (without armature): for
@@ -27,6 +27,15 @@ impl Engine {
         let along = DVector::from_fn(self.coordinates(), |column, _| along(column));
         let factor = self.mass_matrix().cholesky();
         factor.map_or(0.0, |factor| along.dot(&factor.solve(&along)))
+    }
+
+    /// Acceleration of a body's centre of mass, linear and angular, per unit of a force on it and of a torque, world frame
+    /// (without armature).
+    pub fn body_mobility(&self, body: usize) -> Matrix6<f64> {
+        let j = self.jacobian(body);
+        let factor = self.mass_matrix().cholesky();
+        let mobility = factor.map(|factor| j * factor.solve(&j.transpose()));
+        mobility.map_or_else(Matrix6::zeros, |w| Matrix6::from_fn(|i, k| w[(i, k)]))
     }
 
     /// Potential energy of the bodies, zero at world height 0, J.
