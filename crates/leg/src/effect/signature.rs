@@ -50,7 +50,7 @@ fn contact(without: &Build, with: &Build) -> Option<Graph> {
         })
     };
     let graph = Graph::new("A landing of one sole point", ("depth", "m"), ("normal force", "N"));
-    Some(graph.curve("scenario", landing(own.into())).curve("with the effect", landing(other.into())))
+    Some(graph.curve("scenario", landing(own)).curve("with the effect", landing(other)))
 }
 
 fn stop(change: &JointStopChange, place: &str, with: &Build) -> Option<Graph> {
