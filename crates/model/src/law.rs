@@ -59,6 +59,9 @@ pub struct Curve {
 }
 
 impl Curve {
+    /// Most points of which each is a parameter; a curve of more has its size alone.
+    pub const MOST_FREE: usize = 12;
+
     /// The ordinate of `y` at an abscissa.
     #[must_use]
     #[inline]

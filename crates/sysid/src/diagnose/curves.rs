@@ -6,10 +6,11 @@
 //! does to the sensors, which weighs every frequency as it is known.
 
 use super::Candidate;
-use super::dependence::forms;
+use super::candidate::symbol;
+use super::dependence::{Form, forms};
 use super::free_form::law;
 use super::missing::Port;
-use super::policy::{CURVES, CURVES_DEAR, WORTH_PER_PARAMETER};
+use super::policy::{CURVE_UNIT, CURVES, CURVES_DEAR, KNOTS_WORTH_MOVING, WORTH_PER_PARAMETER};
 use super::refine::Models;
 use super::regression::Smooth;
 use super::rows::{rows, step};
@@ -17,15 +18,11 @@ use super::{values_by_name, with_effects};
 use crate::fit::Signatures;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use sealegs_model::{Curve, Factor, Law, Model, Prediction};
+use sealegs_model::{Curve, Factor, Law, Model, Parameter, Prediction};
 
 /// Ports and dependences of each that are tried where a simulation is dear.
 const PORTS: usize = 2;
 const DEPENDENCES: usize = 3;
-
-/// Force of an ordinate when it is screened, as a share of what the port lacks or its noise leaves: small enough that a
-/// rotor does not stick for it.
-const UNIT: f64 = 0.05;
 
 /// Shares of the greatest diagonal element that hold amplitudes near zero, until they promise no more than there is to gain.
 const RIDGES: [f64; 3] = [1e-6, 1e-4, 1e-2];
@@ -34,12 +31,6 @@ const RIDGES: [f64; 3] = [1e-6, 1e-4, 1e-2];
 /// blurs.
 const ROUNDS: usize = 4;
 
-/// Most knots of a curve, each of which is a parameter.
-const MOST_KNOTS: usize = 12;
-
-/// Ratio in what a curve promises that is worth moving its knots.
-const WORTH_MOVING: f64 = 1.02;
-
 /// A law that a model could have, and the model in the forms that could.
 pub(super) struct Tried {
     pub law: Law,
@@ -47,9 +38,6 @@ pub(super) struct Tried {
     pub on: &'static str,
     /// As in [`FreeForm::dry_share`](super::FreeForm::dry_share).
     pub dry_share: f64,
-    drop: f64,
-    /// The ordinate that it was screened with.
-    unit: f64,
     exact: Box<dyn Model>,
     coarse: Box<dyn Model>,
     observed: Box<dyn Model>,
@@ -57,20 +45,11 @@ pub(super) struct Tried {
 
 impl Tried {
     /// `None` where the model has no place for it.
-    fn of(models: &Models, law: Law, port: &str, on: &'static str, unit: f64) -> Option<Self> {
+    fn of(models: &Models, law: Law, port: &Port, on: &'static str) -> Option<Self> {
         let exact = models.exact.knowing(&law)?;
         let (coarse, observed) = (models.coarse.knowing(&law)?, models.observed.as_deref()?.knowing(&law)?);
-        Some(Self {
-            law,
-            port: port.to_owned(),
-            on,
-            dry_share: 0.0,
-            drop: 0.0,
-            unit,
-            exact,
-            coarse,
-            observed,
-        })
+        let port = port.missing.name();
+        Some(Self { law, port, on, dry_share: 0.0, exact, coarse, observed })
     }
 
     /// The model in its forms that have the law to choose from.
@@ -91,33 +70,47 @@ impl Tried {
     }
 }
 
+/// A law that was screened: as strong as it takes most of the residual.
+struct Promised<'a> {
+    port: &'a Port,
+    on: &'static str,
+    law: Law,
+    /// The ordinate that it was screened with.
+    unit: f64,
+    /// By how much the cost would fall, less what chance gives as many ordinates.
+    drop: f64,
+    dry_share: f64,
+}
+
 /// The curves that promise most beside a set, which is fitted under the observer.
 pub(super) fn promising(models: &Models, observed: &Candidate, ports: &[Port]) -> Vec<Tried> {
     if models.dear {
         return seen_at_ports(models, ports);
     }
-    let mut all: Vec<Tried> =
+    let mut all: Vec<Promised> =
         ports.par_iter().flat_map_iter(|port| at_port(models, observed, port)).collect();
     all.sort_by(|a, b| b.drop.total_cmp(&a.drop));
     all.truncate(CURVES as usize);
-    all.into_par_iter().map(|tried| refined(models, observed, tried)).collect()
+    let tried = |promised: Promised| {
+        let Promised { port, on, law, dry_share, .. } = refined(models, observed, promised);
+        Some(Tried { dry_share, ..Tried::of(models, law, port, on)? })
+    };
+    all.into_par_iter().filter_map(tried).collect()
 }
 
 /// The curve with knots moved to where it bends most, as long as that helps: a bump is narrower than even knots are apart.
-fn refined(models: &Models, observed: &Candidate, mut tried: Tried) -> Tried {
+fn refined<'a>(models: &Models, observed: &Candidate, mut best: Promised<'a>) -> Promised<'a> {
     for _ in 0..ROUNDS {
-        let Curve { x, y, .. } = &tried.law.curve;
-        let mut law = tried.law.clone();
-        law.curve.x = closer_knots(x, y);
-        law.curve.y = vec![tried.unit; law.curve.x.len()];
-        law.curve.dry = if law.curve.dry > 0.0 { tried.unit.abs() } else { 0.0 };
-        let Some(mut next) = Tried::of(models, law, &tried.port, tried.on, tried.unit) else { break };
-        if promise(models, observed, &mut next).is_none() || next.drop < WORTH_MOVING * tried.drop {
-            break;
+        let mut law = best.law.clone();
+        law.curve.x = closer_knots(&best.law.curve.x, &best.law.curve.y);
+        law.curve.y = vec![best.unit; law.curve.x.len()];
+        law.curve.dry = if law.curve.dry > 0.0 { best.unit.abs() } else { 0.0 };
+        match promised(models, observed, law, (best.port, best.on)) {
+            Some(next) if next.drop >= KNOTS_WORTH_MOVING * best.drop => best = next,
+            _ => break,
         }
-        tried = next;
     }
-    tried
+    best
 }
 
 /// Knots with two more beside the one where the curve bends most, and as many of those less where it bends least.
@@ -134,7 +127,7 @@ fn closer_knots(x: &[f64], y: &[f64]) -> Vec<f64> {
     // Its neighbours stay, or the curve could not come down beside it.
     let stays = |k: &usize| k.abs_diff(most) <= 1;
     let (near, mut far): (Vec<usize>, Vec<usize>) = inner.iter().copied().partition(stays);
-    far.truncate(MOST_KNOTS.saturating_sub(near.len() + more.len() + 2));
+    far.truncate(Curve::MOST_FREE.saturating_sub(near.len() + more.len() + 2));
     let mut knots: Vec<f64> = near.iter().chain(&far).chain([&0, &(n - 1)]).map(|&k| x[k]).collect();
     knots.extend(more);
     knots.sort_by(f64::total_cmp);
@@ -145,47 +138,55 @@ fn closer_knots(x: &[f64], y: &[f64]) -> Vec<f64> {
 fn seen_at_ports(models: &Models, ports: &[Port]) -> Vec<Tried> {
     let felt = ports.iter().filter(|p| p.missing.is_felt()).take(PORTS);
     let dependences = felt.flat_map(|port| {
-        let tried = port.depends.iter().filter_map(|d| {
+        let direction =
+            port.depends.iter().find(|d| d.on == "direction of motion").map_or(0.0, |d| d.explained);
+        let tried = port.depends.iter().filter_map(move |d| {
             let curve = d.curve.as_ref()?;
             let law = law(&port.missing, d.on, curve.points.clone(), curve.step)?;
-            Tried::of(models, law, &port.missing.name(), d.on, 0.0)
+            let dry_share = if d.on == "speed" { direction / d.explained } else { 0.0 };
+            Some(Tried { dry_share, ..Tried::of(models, law, port, d.on)? })
         });
         tried.take(DEPENDENCES).collect::<Vec<_>>()
     });
     dependences.take(CURVES_DEAR as usize).collect()
 }
 
-/// The curves at one port, each as strong as it takes most of the residual.
-fn at_port(models: &Models, observed: &Candidate, port: &Port) -> Vec<Tried> {
+/// The curves at one port that promise something.
+fn at_port<'a>(models: &Models, observed: &Candidate, port: &'a Port) -> Vec<Promised<'a>> {
     let (data, missing) = (models.data, &port.missing);
     let rows = rows(data, observed, missing, step(&missing.runs));
-    let unit = UNIT * missing.rms.max(missing.std);
-    let of_form = |form: super::dependence::Form| {
-        let knots = form.knots.clone()?;
+    let unit = CURVE_UNIT * missing.rms.max(missing.std);
+    let of_form = |form: Form| {
+        let knots = form.knots?;
         // A unit of what is multiplied by a signal is that of the port at the signal's size.
         let size = |c: &Vec<f64>| c.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
-        let factor = if form.times == "1" || form.times == "direction" {
-            1.0
-        } else {
-            form.columns.iter().map(size).fold(f64::MIN_POSITIVE, f64::max)
+        let factor = match form.times {
+            "1" | "direction" => 1.0,
+            _ => form.columns.iter().map(size).fold(f64::MIN_POSITIVE, f64::max),
         };
-        let points = (knots.clone(), vec![-unit / factor; knots.len()]);
-        let law = law(missing, form.on, points, -unit)?;
-        let first = law.curve.y[0];
-        let mut tried = Tried::of(models, law, &missing.name(), form.on, first)?;
-        promise(models, observed, &mut tried)?;
-        Some(tried)
+        let ordinates = vec![-unit / factor; knots.len()];
+        let law = law(missing, form.on, (knots, ordinates), -unit)?;
+        promised(models, observed, law, (port, form.on))
     };
     forms(&rows, missing.port.starts_with("sensor/")).into_iter().filter_map(of_form).collect()
 }
 
-/// Regresses the residual on what each ordinate of a law does; `None` where that is no more than chance gives.
-fn promise(models: &Models, observed: &Candidate, tried: &mut Tried) -> Option<()> {
-    let data = models.data;
-    let model = with_effects(tried.observed.as_ref(), &tried.set(observed), &models.seen).ok()?;
-    let own = format!("{}.", tried.law.effect());
-    let own: Vec<usize> =
-        (0..model.parameters().len()).filter(|&i| model.parameters()[i].name.starts_with(&own)).collect();
+/// Regresses the residual on what each ordinate of a law does, of which all are alike; `None` where that is no more than
+/// chance gives.
+fn promised<'a>(
+    models: &Models,
+    observed: &Candidate,
+    mut law: Law,
+    (port, on): (&'a Port, &'static str),
+) -> Option<Promised<'a>> {
+    let unit = law.curve.y[0];
+    let (data, at) = (models.data, &observed.fit);
+    let mut effects = observed.effects.clone();
+    effects.push(law.effect());
+    let model =
+        with_effects(models.observed.as_deref()?.knowing(&law)?.as_ref(), &effects, &models.seen).ok()?;
+    let of_law = |p: &Parameter| symbol(&p.name, &law.effect()).is_some();
+    let own: Vec<usize> = (0..model.parameters().len()).filter(|&i| of_law(&model.parameters()[i])).collect();
     let stated = values_by_name(model.as_ref(), &observed.known());
     let changed: Vec<Vec<Prediction>> = own
         .par_iter()
@@ -196,34 +197,31 @@ fn promise(models: &Models, observed: &Candidate, tried: &mut Tried) -> Option<(
         })
         .collect::<Option<_>>()?;
     let columns: Vec<&[Prediction]> = changed.iter().map(Vec::as_slice).collect();
-    let at = &observed.fit;
-    let signatures = Signatures::new(data, at, &at.evaluation.predictions, &columns);
-    let mut a = signatures.gram.clone();
-    let points = tried.law.curve.x.len().min(own.len());
-    if points == tried.law.curve.x.len() {
-        Smooth { first: 0, knots: &tried.law.curve.x }.add_to(&mut a);
+    let Signatures { gram, gradient, .. } = Signatures::new(data, at, &at.evaluation.predictions, &columns);
+    let mut a = gram.clone();
+    let points = law.curve.x.len().min(own.len());
+    if points == law.curve.x.len() {
+        Smooth { first: 0, knots: &law.curve.x }.add_to(&mut a);
     }
-    let bound = tried.law.curve.times == Factor::Direction;
-    let fall = |x: &DVector<f64>| -(signatures.gradient.dot(x) + 0.5 * x.dot(&(&signatures.gram * x)));
+    let bound = law.curve.times == Factor::Direction;
+    let fall = |x: &DVector<f64>| -(gradient.dot(x) + 0.5 * x.dot(&(&gram * x)));
     // Where ordinates can hardly be told from base parameters, rounding promises more than there is.
-    let held = RIDGES.iter().filter_map(|ridge| solved(&a, &signatures.gradient, *ridge, bound));
+    let held = RIDGES.iter().filter_map(|ridge| solved(&a, &gradient, *ridge, bound));
     let all = held.into_iter().find(|x| fall(x) <= at.cost)?;
-    tried.drop = fall(&all) - 0.5 * WORTH_PER_PARAMETER * own.len() as f64;
+    let drop = fall(&all) - 0.5 * WORTH_PER_PARAMETER * own.len() as f64;
+    let mut dry_share = 0.0;
     if points < own.len() {
         // The dry friction beside a curve over the speed comes last.
         let last = own.len() - 1;
         let mut dry = DVector::zeros(own.len());
-        dry[last] =
-            (-signatures.gradient[last] / signatures.gram[(last, last)].max(f64::MIN_POSITIVE)).max(0.0);
-        tried.dry_share = fall(&dry) / fall(&all).max(f64::MIN_POSITIVE);
-        tried.law.curve.dry *= all[last].max(1e-3);
+        dry[last] = (-gradient[last] / gram[(last, last)].max(f64::MIN_POSITIVE)).max(0.0);
+        dry_share = fall(&dry) / fall(&all).max(f64::MIN_POSITIVE);
+        law.curve.dry *= all[last].max(1e-3);
     }
-    for (y, x) in tried.law.curve.y.iter_mut().zip(all.iter()).take(points) {
+    for (y, x) in law.curve.y.iter_mut().zip(all.iter()).take(points) {
         *y *= x;
     }
-    let again = Tried::of(models, tried.law.clone(), &tried.port, tried.on, tried.unit)?;
-    *tried = Tried { dry_share: tried.dry_share, drop: tried.drop, ..again };
-    (tried.drop > 0.0).then_some(())
+    (drop > 0.0).then_some(Promised { port, on, law, unit, drop, dry_share })
 }
 
 /// Solves normal equations for what lowers the cost most; amplitudes of a bound are not negative.

@@ -211,8 +211,7 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
     let law = match found.laws.iter().position(|law| law.beside == named) {
         Some(which) => {
             let with = &found.laws[which].with;
-            let of = |at: Result<Evaluation, Error>| at.map_or(f64::INFINITY, |at| at.rms);
-            let (rms, without) = (of(with.held_out(holdout)), of(held_out(named)));
+            let (rms, without) = (error_of(with.held_out(holdout)), error_of(held_out(named)));
             let explained = 1.0 - excess(rms, floor) / excess(without, floor).max(f64::MIN_POSITIVE);
             let judged = LawJudged { which, holdout_error: rms, fit_error: with.fit.error(), explained };
             (explained >= WORTH_NAMING).then_some(judged)
@@ -240,11 +239,15 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
     })
 }
 
+/// A set's error on the held-out runs: what cannot be simulated with it explains nothing of them.
+fn error_of(held_out: Result<Evaluation, Error>) -> f64 {
+    held_out.map_or(f64::INFINITY, |at| at.rms)
+}
+
 type HeldOut<'a> = dyn Fn(usize) -> Result<Evaluation, Error> + 'a;
 
 /// The chosen set without its traces, and these.
 fn named(found: &Found, held_out: &HeldOut, (base, floor): (f64, f64)) -> (usize, Vec<String>) {
-    let of = |i: usize| held_out(i).map_or(f64::INFINITY, |at| at.rms);
     let (mut index, mut traces) = (found.chosen, Vec::new());
     let least = NAMED_SHARE * (base - floor).max(0.0);
     loop {
@@ -252,11 +255,11 @@ fn named(found: &Found, held_out: &HeldOut, (base, floor): (f64, f64)) -> (usize
         if effects.len() < 2 {
             return (index, traces);
         }
-        let error = of(index);
+        let error = error_of(held_out(index));
         let mut next: Option<(usize, &String, f64)> = None;
         for effect in effects {
             let Some(rest) = found.index_of(&all_but(effects, effect)) else { continue };
-            let taken = of(rest) - error;
+            let taken = error_of(held_out(rest)) - error;
             if taken < least && next.is_none_or(|(.., other)| taken < other) {
                 next = Some((rest, effect, taken));
             }
@@ -278,8 +281,7 @@ fn steps_to(found: &Found, last: usize, held_out: &HeldOut) -> Vec<usize> {
     while let Some(&index) = steps.last().filter(|&&i| !found.tried[i].effects.is_empty()) {
         let effects = &found.tried[index].effects;
         let without = effects.iter().filter_map(|e| found.index_of(&all_but(effects, e)));
-        let error = |i: usize| held_out(i).map_or(f64::INFINITY, |at| at.rms);
-        match without.map(|i| (i, error(i))).min_by(|a, b| a.1.total_cmp(&b.1)) {
+        match without.map(|i| (i, error_of(held_out(i)))).min_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((next, _)) => steps.push(next),
             None => steps.push(0),
         }

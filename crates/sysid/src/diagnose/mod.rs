@@ -3,8 +3,9 @@
 //! The walk, a stage a file; none looks back. The base model is refitted first (`refine`), so that a wrong value is never
 //! taken for a missing effect. An observer shows what is missing at each port (`missing`) and what that depends on
 //! (`dependence`). Effects are regressed on it ([`screen`]()), the promising sets fitted ([`Models`]), compared and
-//! exchanged on stretches of the fit runs (`search`). Where they leave something, a curve at the port that lacks it is fitted
-//! as any effect (`free_form`). Then, and only then, the holdout runs are read, and judge once (`judge`).
+//! exchanged on stretches of the fit runs (`search`); what the data do not tell from the best set is found (`rivals`). Where
+//! they leave something, curves at the ports are screened (`curves`) and fitted as any effect (`free_form`). Then, and only
+//! then, the holdout runs are read, and judge once (`judge`).
 
 mod adapt;
 mod candidate;
@@ -24,6 +25,7 @@ mod policy;
 mod refine;
 mod regression;
 mod rig;
+mod rivals;
 mod rows;
 mod scatter;
 mod screen;

@@ -52,6 +52,11 @@ policy! {
     /// Share of what a curve over the speed foresees that the direction of motion must foresee by itself for that curve to
     /// be dry friction: in a sinusoidal motion it foresees 0.914 of a force that grows with the root of the speed.
     DRY_MOSTLY = 0.95;
+    /// Force of an ordinate of a curve when it is screened, as a share of what the port lacks or its noise leaves: small enough
+    /// that a rotor does not stick for it.
+    CURVE_UNIT = 0.05;
+    /// Ratio in what a curve promises that is worth moving its knots: chance gives two more of them less.
+    KNOTS_WORTH_MOVING = 1.02;
     /// Curves that are fitted under the observer: three dependences of each of two ports.
     CURVES = 6.0;
     /// The same where a simulation is dear.

@@ -1,12 +1,10 @@
 //! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the promising ones are
 //! fitted, members leave again, and rivals of each member are tried.
 
-use super::candidate::symbol;
-use super::compare::{clearly_better, excess, gain, is_beyond_chance, is_seen};
-use super::nested::simpler_id;
+use super::compare::{clearly_better, excess, is_beyond_chance, is_seen};
 use super::policy::{
     AT_FLOOR, EXPLAINED, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR,
-    NEEDED_COST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, TIED_COST,
+    NEEDED_COST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE,
 };
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -23,11 +21,6 @@ const RIVALS: usize = 3;
 
 /// Effects of the screening in open loop that are fitted.
 const OPEN_LOOP: usize = 4;
-
-/// What effects at the drive and at sensors act on, by their cards.
-const DRIVE: &str = "drive";
-/// See [`DRIVE`].
-const SENSOR: &str = "sensor";
 
 /// The search's state.
 pub(super) struct Search<'a> {
@@ -90,11 +83,11 @@ impl Search<'_> {
     }
 
     /// Where the best set leaves something, every effect that was not fitted alone is, from where it promises most in open
-    /// loop and under the observer: a resonance that starts in the wrong place promises nothing. The index of the best one if it is clearly better
-    /// than the best set.
+    /// loop and under the observer: a resonance that starts in the wrong place promises nothing. The index of the best one
+    /// if it is clearly better than the best set.
     fn others_alone(&mut self, best: usize) -> usize {
         let (models, base) = (&self.models, self.tried[0].clone());
-        if models.dear || best == 0 && self.at_floor(best) || models.is_settled(&self.tried[best], &base) {
+        if models.dear || models.is_settled(&self.tried[best], &base) {
             return best;
         }
         let cards = addable(base.model.as_ref(), &models.seen, &self.admitted);
@@ -175,7 +168,7 @@ impl Search<'_> {
     }
 
     /// A candidate's effects with others, in the catalogue's order.
-    fn set_with(&self, near: &Candidate, added: &[String]) -> Vec<String> {
+    pub fn set_with(&self, near: &Candidate, added: &[String]) -> Vec<String> {
         let chosen = |id: &String| near.effects.contains(id) || added.contains(id);
         self.admitted.iter().filter(|id| chosen(id)).cloned().collect()
     }
@@ -383,7 +376,7 @@ impl Search<'_> {
     }
 
     /// Index of a set, fitted now if it was not, from another candidate's values.
-    fn index_of(&mut self, effects: &[String], near: usize) -> Option<usize> {
+    pub fn index_of(&mut self, effects: &[String], near: usize) -> Option<usize> {
         if let Some(i) = self.tried.iter().position(|t| t.effects == effects) {
             return Some(i);
         }
@@ -468,45 +461,6 @@ impl Search<'_> {
         rival.fold(best, |a, b| if mean(b) < mean(a) { b } else { a })
     }
 
-    /// Fits what may be a set that explains everything by another name, before its ties are told: an effect at all sensors in
-    /// the place of one at the drive, as a delay of the command is one of every sensor and an observer follows the sensors;
-    /// and sets of no more effects that leave next to nothing, under the base model's other discrete choices, as a sample of
-    /// one delay may be the stamp's convention beside another.
-    pub fn confirm_rivals(&mut self, best: usize) {
-        let set = &self.tried[best];
-        if self.models.dear || set.effects.is_empty() || !self.models.is_settled(set, &self.tried[0]) {
-            return;
-        }
-        let (effects, size) = (set.effects.clone(), set.effects.len());
-        let cards = self.models.exact.effects(&self.models.seen);
-        let acts_on = |id: &String, port: &str| cards.iter().any(|c| c.id == *id && c.acts_on == port);
-        let everywhere: Vec<String> = self
-            .admitted
-            .iter()
-            .filter(|id| acts_on(id, SENSOR) && !id.contains('@') && !effects.contains(id))
-            .cloned()
-            .collect();
-        for leaving in effects.iter().filter(|id| acts_on(id, DRIVE)) {
-            let rest = Candidate { effects: all_but(&effects, leaving), ..self.tried[best].clone() };
-            for rival in &everywhere {
-                let with = self.set_with(&rest, std::slice::from_ref(rival));
-                self.index_of(&with, best);
-            }
-        }
-        let near = NEAR_FLOOR * self.models.data.floor;
-        let is_near = |t: &Candidate| t.effects.len() <= size && t.fit.error() <= near;
-        let rivals: Vec<usize> =
-            (1..self.tried.len()).filter(|&i| i != best && is_near(&self.tried[i])).collect();
-        let (models, tried) = (&self.models, &self.tried);
-        let settled: Vec<Candidate> =
-            rivals.par_iter().map(|&i| models.settled(tried[i].clone()).0).collect();
-        for (i, settled) in rivals.into_iter().zip(settled) {
-            if settled.fit.cost < self.tried[i].fit.cost {
-                self.tried[i] = settled;
-            }
-        }
-    }
-
     /// Some members of a set that explains everything, fitted under the observer: what they leave there tells what is worth a
     /// fit in open loop. `None` if the set leaves something, where what else is missing hides that.
     fn observed_where_settled(&self, best: usize, effects: &[String]) -> Option<Candidate> {
@@ -518,77 +472,8 @@ impl Search<'_> {
         self.models.observing(&Candidate { effects: effects.to_vec(), ..set.clone() }, &known)
     }
 
-    /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are its ties. A set
-    /// that holds the chosen one and something beside it is no tie.
-    pub fn ties(&self, best: usize) -> (usize, Vec<usize>) {
-        let size = self.tried[best].effects.len();
-        let floor = self.models.data.floor;
-        let mut equal: Vec<usize> = (0..self.tried.len())
-            .filter(|&i| i == best || self.tried[i].effects.len() <= size)
-            .filter(|&i| i == best || !clearly_better(&self.tried[i], &self.tried[best], floor))
-            .collect();
-        let order = |i: usize| (self.tried[i].effects.len(), self.tried[i].effect_parameters());
-        equal.sort_by(|&a, &b| {
-            order(a).cmp(&order(b)).then(gain(&self.tried[a], &self.tried[b]).total_cmp(&0.0))
-        });
-        let first = equal.first().copied().unwrap_or(best);
-        // Of those that fit equally well the catalogue's order decides: the rest of a digit would.
-        let alike = |i: usize| {
-            order(i) == order(first)
-                && (self.tried[i].fit.cost - self.tried[first].fit.cost).abs() <= EQUAL_COST
-        };
-        let places = |i: usize| -> Vec<Option<usize>> {
-            self.tried[i].effects.iter().map(|e| self.admitted.iter().position(|a| a == e)).collect()
-        };
-        let chosen = equal.iter().copied().filter(|&i| alike(i)).min_by_key(|&i| places(i)).unwrap_or(first);
-        let own = &self.tried[chosen].effects;
-        let tied = equal
-            .into_iter()
-            .filter(|&i| i != chosen)
-            .filter(|&i| own.is_empty() || self.tried[i].effects.len() <= own.len())
-            .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
-            .collect();
-        (chosen, tied)
-    }
-
-    /// The chosen set with a simpler law in the place of one that contains it (dry friction for one that differs between the
-    /// directions), fitted from the chosen one's values: the simpler one is chosen and the richer one its tie unless the
-    /// richer one is clearly better.
-    pub fn simplified(&mut self, chosen: usize, tied: &mut Vec<usize>) -> usize {
-        let (floor, effects) = (self.models.data.floor, self.tried[chosen].effects.clone());
-        let cards = self.models.exact.effects(&self.models.seen);
-        for effect in &effects {
-            let card = cards.iter().find(|c| c.id == *effect);
-            let Some(simple) = card.and_then(|c| Some(simpler_id(c, c.becomes.as_ref()?))) else { continue };
-            if effects.contains(&simple) || !self.admitted.contains(&simple) {
-                continue;
-            }
-            let known: Known = self.tried[chosen]
-                .known()
-                .into_iter()
-                .map(|(name, value)| match symbol(&name, effect) {
-                    Some(own) => (format!("{simple}.{own}"), value),
-                    None => (name, value),
-                })
-                .collect();
-            let rest = Candidate { effects: all_but(&effects, effect), ..self.tried[chosen].clone() };
-            let set = self.set_with(&rest, std::slice::from_ref(&simple));
-            let Some(fitted) = self.models.fitted(&self.tried[chosen], &set, &known, None) else { continue };
-            let mut fitted = [fitted];
-            self.models.finish_best(&mut fitted);
-            let [fitted] = fitted;
-            let index = self.kept(fitted);
-            if !clearly_better(&self.tried[index], &self.tried[chosen], floor) {
-                tied.retain(|&i| i != index);
-                tied.push(chosen);
-                return self.simplified(index, tied);
-            }
-        }
-        chosen
-    }
-
     /// The index of a fitted set: among those tried, where the better of two fits of one set stays.
-    fn kept(&mut self, fitted: Candidate) -> usize {
+    pub fn kept(&mut self, fitted: Candidate) -> usize {
         match self.tried.iter().position(|t| t.effects == fitted.effects) {
             Some(index) => {
                 if fitted.fit.cost < self.tried[index].fit.cost {
@@ -599,43 +484,6 @@ impl Search<'_> {
             None => {
                 self.tried.push(fitted);
                 self.tried.len() - 1
-            }
-        }
-    }
-
-    /// The chosen set with one of its laws in two parts, the simpler law and what makes up its departure, where that has no
-    /// more parameters: sliding friction that differs between the directions is dry friction and a constant force. It takes
-    /// the place of the chosen one if it is clearly better, and is a tie of it if it is not clearly worse. Not on a leg,
-    /// where a simulation is dear.
-    pub fn in_parts(&mut self, chosen: usize, tied: &mut Vec<usize>) -> usize {
-        let floor = self.models.data.floor;
-        let effects = self.tried[chosen].effects.clone();
-        let parts = |effect: &String| {
-            let cards = self.models.exact.effects(&self.models.seen);
-            let law = cards.into_iter().find(|c| c.id == *effect)?.becomes?;
-            let place = effect.rsplit_once('/').map_or(String::new(), |(place, _)| format!("{place}/"));
-            let (simple, beside) = (format!("{place}{}", law.id), format!("{place}{}", law.beside?));
-            let free = |id: &String| self.admitted.contains(id) && !effects.contains(id);
-            (!self.models.dear && free(&simple) && free(&beside)).then(|| (effect.clone(), simple, beside))
-        };
-        let Some((whole, simple, beside)) = effects.iter().find_map(parts) else { return chosen };
-        let rest = Candidate { effects: all_but(&effects, &whole), ..self.tried[chosen].clone() };
-        let with_simple = self.set_with(&rest, std::slice::from_ref(&simple));
-        let grown = self.index_of(&with_simple, chosen).and_then(|i| {
-            let grown = self.models.with_one_more(&self.tried[i], &beside)?;
-            let set = self.set_with(&rest, &[simple, beside]);
-            Some(self.models.reordered(grown, &set))
-        });
-        let (Some(parts), whole) = (grown, &self.tried[chosen]) else { return chosen };
-        let (better, worse) = (clearly_better(whole, &parts, floor), clearly_better(&parts, whole, floor));
-        let index = self.tried.len();
-        self.tried.push(parts);
-        match (better, worse) {
-            (true, _) => index,
-            (false, true) => chosen,
-            (false, false) => {
-                tied.push(index);
-                chosen
             }
         }
     }

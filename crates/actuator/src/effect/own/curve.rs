@@ -4,9 +4,6 @@ use crate::ActuatorError;
 use crate::plant::{CommandStage, DryFriction, Link, Plant, RotorForce, SensorStage, Slip, SpringForce};
 use sealegs_model::{Curve, Factor, Law, Over, Parameter};
 
-/// Most points of which each is a parameter; a curve of more has its size alone.
-const MOST_FREE: usize = 12;
-
 /// How far an ordinate may go beyond the greatest one.
 const FARTHEST: f64 = 10.0;
 
@@ -115,7 +112,7 @@ impl OnCurve {
             typical: 0.1 * most,
             ..Parameter::new(format!("y{}", k + 1), "", y.max(least), least, FARTHEST * most)
         };
-        let mut all: Vec<Parameter> = if self.curve.y.len() <= MOST_FREE {
+        let mut all: Vec<Parameter> = if self.curve.y.len() <= Curve::MOST_FREE {
             self.curve.y.iter().enumerate().map(ordinate).collect()
         } else {
             let size = Parameter::new("size", "", 1.0, -FARTHEST, FARTHEST);
@@ -130,7 +127,7 @@ impl OnCurve {
 
     pub fn install(&self, values: &[f64], plant: &mut Plant) {
         let points = self.curve.y.len();
-        let y = if points <= MOST_FREE {
+        let y = if points <= Curve::MOST_FREE {
             values[..points].to_vec()
         } else {
             self.curve.y.iter().map(|y| y * values[0]).collect()

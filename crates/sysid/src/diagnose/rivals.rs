@@ -1,0 +1,163 @@
+//! Sets that the data may not tell from the best one: it by other names, in a simpler law, or in parts.
+
+use super::Candidate;
+use super::candidate::symbol;
+use super::compare::{clearly_better, gain};
+use super::nested::simpler_id;
+use super::policy::{NEAR_FLOOR, TIED_COST};
+use super::screen::Known;
+use super::search::{Search, all_but};
+use crate::fit::EQUAL_COST;
+use rayon::prelude::*;
+
+/// What effects at the drive and at sensors act on, by their cards.
+const DRIVE: &str = "drive";
+/// See [`DRIVE`].
+const SENSOR: &str = "sensor";
+
+impl Search<'_> {
+    /// Fits what may be a set that explains everything by another name, before its ties are told: an effect at all sensors in
+    /// the place of one at the drive, as a delay of the command is one of every sensor and an observer follows the sensors;
+    /// and sets of no more effects that leave next to nothing, under the base model's other discrete choices, as a sample of
+    /// one delay may be the stamp's convention beside another.
+    pub fn confirm_rivals(&mut self, best: usize) {
+        let set = &self.tried[best];
+        if self.models.dear || set.effects.is_empty() || !self.models.is_settled(set, &self.tried[0]) {
+            return;
+        }
+        let (effects, size) = (set.effects.clone(), set.effects.len());
+        let cards = self.models.exact.effects(&self.models.seen);
+        let acts_on = |id: &String, port: &str| cards.iter().any(|c| c.id == *id && c.acts_on == port);
+        let everywhere: Vec<String> = self
+            .admitted
+            .iter()
+            .filter(|id| acts_on(id, SENSOR) && !id.contains('@') && !effects.contains(id))
+            .cloned()
+            .collect();
+        for leaving in effects.iter().filter(|id| acts_on(id, DRIVE)) {
+            let rest = Candidate { effects: all_but(&effects, leaving), ..self.tried[best].clone() };
+            for rival in &everywhere {
+                let with = self.set_with(&rest, std::slice::from_ref(rival));
+                self.index_of(&with, best);
+            }
+        }
+        let near = NEAR_FLOOR * self.models.data.floor;
+        let is_near = |t: &Candidate| t.effects.len() <= size && t.fit.error() <= near;
+        let rivals: Vec<usize> =
+            (1..self.tried.len()).filter(|&i| i != best && is_near(&self.tried[i])).collect();
+        let (models, tried) = (&self.models, &self.tried);
+        let settled: Vec<Candidate> =
+            rivals.par_iter().map(|&i| models.settled(tried[i].clone()).0).collect();
+        for (i, settled) in rivals.into_iter().zip(settled) {
+            if settled.fit.cost < self.tried[i].fit.cost {
+                self.tried[i] = settled;
+            }
+        }
+    }
+
+    /// Of all sets of no more effects that are not clearly worse, the simplest is chosen and the others are its ties. A set
+    /// that holds the chosen one and something beside it is no tie.
+    pub fn ties(&self, best: usize) -> (usize, Vec<usize>) {
+        let size = self.tried[best].effects.len();
+        let floor = self.models.data.floor;
+        let mut equal: Vec<usize> = (0..self.tried.len())
+            .filter(|&i| i == best || self.tried[i].effects.len() <= size)
+            .filter(|&i| i == best || !clearly_better(&self.tried[i], &self.tried[best], floor))
+            .collect();
+        let order = |i: usize| (self.tried[i].effects.len(), self.tried[i].effect_parameters());
+        equal.sort_by(|&a, &b| {
+            order(a).cmp(&order(b)).then(gain(&self.tried[a], &self.tried[b]).total_cmp(&0.0))
+        });
+        let first = equal.first().copied().unwrap_or(best);
+        // Of those that fit equally well the catalogue's order decides: the rest of a digit would.
+        let alike = |i: usize| {
+            order(i) == order(first)
+                && (self.tried[i].fit.cost - self.tried[first].fit.cost).abs() <= EQUAL_COST
+        };
+        let places = |i: usize| -> Vec<Option<usize>> {
+            self.tried[i].effects.iter().map(|e| self.admitted.iter().position(|a| a == e)).collect()
+        };
+        let chosen = equal.iter().copied().filter(|&i| alike(i)).min_by_key(|&i| places(i)).unwrap_or(first);
+        let own = &self.tried[chosen].effects;
+        let tied = equal
+            .into_iter()
+            .filter(|&i| i != chosen)
+            .filter(|&i| own.is_empty() || self.tried[i].effects.len() <= own.len())
+            .filter(|&i| self.tried[i].fit.cost <= TIED_COST * self.tried[chosen].fit.cost)
+            .collect();
+        (chosen, tied)
+    }
+
+    /// The chosen set with a simpler law in the place of one that contains it (dry friction for one that differs between the
+    /// directions), fitted from the chosen one's values: the simpler one is chosen and the richer one its tie unless the
+    /// richer one is clearly better.
+    pub fn simplified(&mut self, chosen: usize, tied: &mut Vec<usize>) -> usize {
+        let (floor, effects) = (self.models.data.floor, self.tried[chosen].effects.clone());
+        let cards = self.models.exact.effects(&self.models.seen);
+        for effect in &effects {
+            let card = cards.iter().find(|c| c.id == *effect);
+            let Some(simple) = card.and_then(|c| Some(simpler_id(c, c.becomes.as_ref()?))) else { continue };
+            if effects.contains(&simple) || !self.admitted.contains(&simple) {
+                continue;
+            }
+            let known: Known = self.tried[chosen]
+                .known()
+                .into_iter()
+                .map(|(name, value)| match symbol(&name, effect) {
+                    Some(own) => (format!("{simple}.{own}"), value),
+                    None => (name, value),
+                })
+                .collect();
+            let rest = Candidate { effects: all_but(&effects, effect), ..self.tried[chosen].clone() };
+            let set = self.set_with(&rest, std::slice::from_ref(&simple));
+            let Some(fitted) = self.models.fitted(&self.tried[chosen], &set, &known, None) else { continue };
+            let mut fitted = [fitted];
+            self.models.finish_best(&mut fitted);
+            let [fitted] = fitted;
+            let index = self.kept(fitted);
+            if !clearly_better(&self.tried[index], &self.tried[chosen], floor) {
+                tied.retain(|&i| i != index);
+                tied.push(chosen);
+                return self.simplified(index, tied);
+            }
+        }
+        chosen
+    }
+
+    /// The chosen set with one of its laws in two parts, the simpler law and what makes up its departure, where that has no
+    /// more parameters: sliding friction that differs between the directions is dry friction and a constant force. It takes
+    /// the place of the chosen one if it is clearly better, and is a tie of it if it is not clearly worse. Not on a leg,
+    /// where a simulation is dear.
+    pub fn in_parts(&mut self, chosen: usize, tied: &mut Vec<usize>) -> usize {
+        let floor = self.models.data.floor;
+        let effects = self.tried[chosen].effects.clone();
+        let parts = |effect: &String| {
+            let cards = self.models.exact.effects(&self.models.seen);
+            let law = cards.into_iter().find(|c| c.id == *effect)?.becomes?;
+            let place = effect.rsplit_once('/').map_or(String::new(), |(place, _)| format!("{place}/"));
+            let (simple, beside) = (format!("{place}{}", law.id), format!("{place}{}", law.beside?));
+            let free = |id: &String| self.admitted.contains(id) && !effects.contains(id);
+            (!self.models.dear && free(&simple) && free(&beside)).then(|| (effect.clone(), simple, beside))
+        };
+        let Some((whole, simple, beside)) = effects.iter().find_map(parts) else { return chosen };
+        let rest = Candidate { effects: all_but(&effects, &whole), ..self.tried[chosen].clone() };
+        let with_simple = self.set_with(&rest, std::slice::from_ref(&simple));
+        let grown = self.index_of(&with_simple, chosen).and_then(|i| {
+            let grown = self.models.with_one_more(&self.tried[i], &beside)?;
+            let set = self.set_with(&rest, &[simple, beside]);
+            Some(self.models.reordered(grown, &set))
+        });
+        let (Some(parts), whole) = (grown, &self.tried[chosen]) else { return chosen };
+        let (better, worse) = (clearly_better(whole, &parts, floor), clearly_better(&parts, whole, floor));
+        let index = self.tried.len();
+        self.tried.push(parts);
+        match (better, worse) {
+            (true, _) => index,
+            (false, true) => chosen,
+            (false, false) => {
+                tied.push(index);
+                chosen
+            }
+        }
+    }
+}
