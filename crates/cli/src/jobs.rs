@@ -40,8 +40,8 @@ pub fn work<T: Serialize>(
     let shard = shard.unwrap_or_default();
     let folder = JobFolder::open(path, list)?;
     let bar = progress::spinner();
-    let worked = folder.work(shard, &|name| bar.set_message(name.to_owned()), job);
-    bar.finish_and_clear();
+    let worked = folder.work(shard, &|name| bar.say(name), job);
+    bar.finish();
     let worked = worked?;
     let place = path.display();
     let all = folder.list().jobs.len();

@@ -25,6 +25,9 @@ use std::sync::OnceLock;
 struct Arguments {
     #[command(subcommand)]
     verb: verb::Verb,
+    /// Say in a pipe, too, what is being done: a line for each step and every ten seconds on standard error.
+    #[arg(long, global = true)]
+    progress: bool,
 }
 
 /// The version, and the commit that it was built from where that is known.
@@ -53,7 +56,12 @@ pub fn run_with<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A
     // Only the first command line of a process counts; there is no second one.
     let _ = COMMAND.set(words.join(" "));
     match Arguments::try_parse_from(&arguments) {
-        Ok(arguments) => verb::run(arguments.verb).unwrap_or_else(|error| failure::report(&error)),
+        Ok(arguments) => {
+            if arguments.progress {
+                progress::in_a_pipe();
+            }
+            verb::run(arguments.verb).unwrap_or_else(|error| failure::report(&error))
+        }
         Err(error) => {
             // Help and errors alike; a closed pipe is nobody's fault.
             let _ = error.print();

@@ -15,7 +15,7 @@ impl Effect for SeriesComplianceEffect {
         let stiffness = with_neutral(
             with_starts(
                 setting.magnitude("stiffness", Quantity::Stiffness, 6.0 * k, 0.2 * k, 1e4 * k),
-                [2.0 * k, 20.0 * k, 60.0 * k],
+                [0.5 * k, 2.0 * k, 20.0 * k, 60.0 * k],
             ),
             f64::INFINITY,
         );

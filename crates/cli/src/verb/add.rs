@@ -71,7 +71,7 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     let options =
         Options::new().model(arguments.model.as_path()).command(command).on_progress(progress::on(&bar));
     let addition = sealegs::add(&asked, &campaign, options);
-    bar.finish_and_clear();
+    bar.finish();
     let addition = addition?;
 
     let folder = arguments.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));

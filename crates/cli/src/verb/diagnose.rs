@@ -108,7 +108,7 @@ fn diagnose(arguments: &Diagnose, campaign: &Campaign) -> anyhow::Result<sealegs
         .on_progress(progress::on(&bar));
     let options = arguments.effect.iter().fold(options, Options::own_effect);
     let diagnosis = sealegs::diagnose(campaign, options);
-    bar.finish_and_clear();
+    bar.finish();
     Ok(diagnosis?)
 }
 

@@ -1,9 +1,10 @@
 //! `sealegs impact`: drops from several heights with several springs, as a table and as a gate.
 
-use super::run::{load, progress};
+use super::run::load;
 use crate::failure::{LIMIT_EXCEEDED, OrBadInput, bad_input};
 use crate::jobs::{self, JobArguments};
 use crate::output::Destination;
+use crate::progress;
 use clap::Args;
 use sealegs::impact::{DropRecorder, ImpactTable, Survival, drops, sweep, sweep_watched};
 use sealegs::jobs::{JobFolder, hash};
@@ -134,15 +135,11 @@ pub fn run(args: &Impact) -> anyhow::Result<u8> {
     }
     let outputs = Outputs::new(args.csv.as_ref(), args.json.as_ref(), args.report.as_ref())?;
     let rrd = Destination::optional(args.rrd.as_ref())?;
-    let bar = progress(
+    let bar = progress::bar(
         (over.heights_m.len() * over.springs.len()) as u64,
         "{elapsed} {bar:40} {pos} of {len} drops",
     );
-    let done = || {
-        if let Some(bar) = &bar {
-            bar.inc(1);
-        }
-    };
+    let done = || bar.inc(1);
     let table = match rrd {
         None => sweep(&scenario, &over, args.check, &done).or_bad_input()?,
         Some(destination) => {
@@ -158,9 +155,7 @@ pub fn run(args: &Impact) -> anyhow::Result<u8> {
             table
         }
     };
-    if let Some(bar) = &bar {
-        bar.finish_and_clear();
-    }
+    bar.finish();
     outputs.write(&table, args.max_force)
 }
 

@@ -211,20 +211,20 @@ pub fn run(arguments: &MysteryArguments) -> anyhow::Result<u8> {
     if arguments.judge {
         let json = Destination::optional(arguments.json.as_ref())?;
         let judged = seeds.iter().map(|seed| {
-            bar.set_message(arguments.name(*seed));
+            bar.say(&arguments.name(*seed));
             arguments.judged(*seed)
         });
         let mysteries = judged.collect::<anyhow::Result<Vec<_>>>();
-        bar.finish_and_clear();
+        bar.finish();
         let (bench, level) = (arguments.bench.as_str(), arguments.level.as_str());
         return say(&Judgement::new(bench, level, duration_s, mysteries?), json);
     }
     let Some(output) = &arguments.output else { return Err(bad_input("--output: which folder to make?")) };
     let folder = NewFolder::new(output)?;
-    bar.set_message("hiding something where it shows, and recording its runs");
+    bar.say("hiding something where it shows, and recording its runs");
     let made = seeds.iter().map(|seed| Folder::of(arguments.make(*seed)?));
     let runs = put(folder, made, seeds.len());
-    bar.finish_and_clear();
+    bar.finish();
     told(output, runs?, arguments.bench.as_str(), seeds.len())
 }
 

@@ -3,8 +3,8 @@
 use crate::failure::{OrBadInput, bad_input};
 use crate::kind;
 use crate::output::Destination;
+use crate::progress;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use sealegs::leg::scenario::Scenario;
 use sealegs::leg::simulation::{Event, LegDescription, Observer, Sample, Simulation};
 use sealegs::leg::{Channels, LegError, RunResult, run_simulation};
@@ -50,7 +50,7 @@ pub struct Run {
 struct Watchers {
     recorders: Vec<LegRecorder>,
     channels: Option<Channels>,
-    progress: Option<ProgressBar>,
+    progress: Option<progress::Bar>,
 }
 
 impl Observer for Watchers {
@@ -85,7 +85,10 @@ pub fn run(args: &Run) -> anyhow::Result<u8> {
     let document = toml::to_string_pretty(&scenario).unwrap_or_default();
     let mut watchers = Watchers {
         channels: csv.as_ref().map(|_| Channels::default()),
-        progress: progress((1e3 * scenario.duration_s) as u64, "{elapsed} {bar:40} {pos} of {len} ms"),
+        progress: Some(progress::bar(
+            (1e3 * scenario.duration_s) as u64,
+            "{elapsed} {bar:40} {pos} of {len} ms",
+        )),
         ..Watchers::default()
     };
     if let Some(destination) = &rrd {
@@ -98,8 +101,8 @@ pub fn run(args: &Run) -> anyhow::Result<u8> {
         watchers.recorders.push(LegRecorder::new(Output::Viewer, document));
     }
     let result = run_simulation(&scenario, simulation, &mut watchers)?;
-    if let Some(bar) = &watchers.progress {
-        bar.finish_and_clear();
+    if let Some(bar) = watchers.progress.take() {
+        bar.finish();
     }
     for recorder in watchers.recorders.drain(..) {
         recorder.end(result.stopped.as_deref())?;
@@ -147,13 +150,6 @@ pub(super) fn load(name: &str, set: &[String], step: Option<f64>) -> anyhow::Res
     let mut set = set.to_vec();
     set.extend(step.map(|s| format!("step_s={s:?}")));
     Scenario::load(name, &set).or_bad_input()
-}
-
-/// A progress bar on a terminal, nothing in a pipe.
-pub(super) fn progress(length: u64, template: &str) -> Option<ProgressBar> {
-    use std::io::IsTerminal;
-    let style = ProgressStyle::with_template(template).ok()?;
-    std::io::stderr().is_terminal().then(|| ProgressBar::new(length).with_style(style))
 }
 
 fn csv_of(channels: &Channels) -> anyhow::Result<Vec<u8>> {

@@ -124,7 +124,7 @@ fn diagnose(folder: &Path, campaign: &Campaign, command: String) -> anyhow::Resu
     let bar = progress::spinner();
     let options = Options::new().command(command).on_progress(progress::on(&bar));
     let diagnosis = sealegs::diagnose(campaign, options);
-    bar.finish_and_clear();
+    bar.finish();
     let diagnosis = diagnosis?;
     Destination::new(&folder.join("3-diagnose.html"))?.write(diagnosis.to_html()?.as_bytes())?;
     Destination::new(&folder.join("3-diagnose.rrd"))?.record(&diagnosis.recording()?)?;
@@ -138,7 +138,7 @@ fn add(folder: &Path, campaign: &Campaign, effects: &[String], command: String) 
     let bar = progress::spinner();
     let options = Options::new().model(MODEL).command(command).on_progress(progress::on(&bar));
     let addition = sealegs::add(effects, campaign, options);
-    bar.finish_and_clear();
+    bar.finish();
     let addition = addition?;
     Destination::new(&folder.join("better.toml"))?.write(addition.model_file(folder)?.as_bytes())?;
     Destination::new(&folder.join("4-add.json"))?.write((addition.to_json()? + "\n").as_bytes())?;

@@ -20,6 +20,7 @@ mod free_form;
 mod judge;
 mod missing;
 mod nested;
+mod periods;
 mod picture;
 mod policy;
 mod refine;

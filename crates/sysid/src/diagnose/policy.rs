@@ -168,6 +168,12 @@ policy! {
     /// Rows of a free-form regression, each the mean of neighbours: the noise of a missing force is fast, what depends on a
     /// signal of the machine is slow, and over some 20 ms of a run at 1 kHz a friction of a tenth of that noise stands out.
     CURVE_ROWS = 2000.0;
+    /// Rows of the power of a missing force along the screw: some ten of the shortest of a thousand waves.
+    PERIOD_ROWS = 10_000.0;
+    /// Distance of the periods that it is taken at, in waves along the travel: a quarter turns no crest into a trough.
+    WAVES_APART = 0.25;
+    /// Periods of the greatest power that are simulated.
+    PERIODS = 4.0;
     /// Rows of a picture: more add correlated samples only.
     DRAWN_ROWS = 6000.0;
     /// Blocks that are left out one at a time in a free-form regression.

@@ -9,7 +9,7 @@ use super::policy::{
     FARTHEST, HALF_AS_STRONG, LOOKS, LOOKS_ALIKE, NEAREST, PAIR_WORTH, PAIRED, PROMISE_HELD, PROMISE_KEPT,
     SCREEN_STEPS_PER_SAMPLE, SHORTLIST, SHORTLIST_PAIRS,
 };
-use super::{Candidate, count};
+use super::{Candidate, count, periods};
 use crate::data::Data;
 use crate::fit::Signatures;
 use rayon::prelude::*;
@@ -96,6 +96,8 @@ pub fn screen(
     cards: &[EffectCard],
     starts: usize,
 ) -> Screened {
+    let cards: Vec<EffectCard> =
+        cards.par_iter().map(|card| periods::with_periods(data, beside, card)).collect();
     let mut jobs: Vec<(usize, Vec<f64>)> = Vec::new();
     for (c, card) in cards.iter().enumerate() {
         // A periodic effect's starts are its periods: none of them leads to another.
@@ -103,8 +105,8 @@ pub fn screen(
         jobs.extend(combinations(&card.parameters, most).into_iter().map(|s| (c, s)));
         jobs.extend(count::starts(data, beside, seen, card).into_iter().map(|s| (c, s)));
     }
-    let looks = looks(data, beside, seen, cards, &jobs);
-    together(data, beside, seen, cards, looks)
+    let looks = looks(data, beside, seen, &cards, &jobs);
+    together(data, beside, seen, &cards, looks)
 }
 
 /// Predictions of all runs with one more effect at starting values.

@@ -153,6 +153,27 @@ impl ScrewEnd {
         (self.previous_m_s, self.speed_m_s) = (before, after);
         self.compressed_m += step_s * after;
     }
+
+    /// Moves the end to where it is in balance with a spring of a stiffness, in which the rotor has the acceleration `y''`.
+    /// Along links and a rotor whose motion was measured its own vibration is left out: it has no damping, and the encoders'
+    /// counts would make it ring.
+    fn settle(&mut self, beside: &Beside, (stiffness, rotor_acceleration): (f64, f64), step_s: f64) {
+        let pull = self.compliance.stiffness * self.compressed_m;
+        let carrier = beside.carrier.free + beside.carrier.mobility * pull;
+        let push = beside.spring_n - pull - self.moving(beside) * carrier
+            + beside.sprung_mass * rotor_acceleration;
+        let moved = push / (self.compliance.stiffness + stiffness);
+        let after = moved / step_s;
+        self.step = ScrewEndStep {
+            force_n: pull + self.compliance.stiffness * moved,
+            at_rest_n: pull + push,
+            carrier,
+            speed: 0.5 * (self.speed_m_s + after),
+            ..self.step
+        };
+        (self.previous_m_s, self.speed_m_s) = (self.speed_m_s, after);
+        self.compressed_m += moved;
+    }
 }
 
 impl Actuator {
@@ -188,10 +209,19 @@ impl Actuator {
             // Carried by the mount and, in the armature, by the joint: links that weigh more than the sprung mass.
             Path::Crank { .. } => Carrier { free: felt + self.length_acceleration, mobility: 0.0 },
         };
-        let equation = end.equation(Beside { spring_n, sprung_mass, carrier }, step_s);
-        let (mass, force) = equation.on_rotor();
-        let rotor = self.advance_rotor_of(inertia + mass, push + force, step_s);
-        end.advance(&equation, rotor.acceleration, step_s);
+        let beside = Beside { spring_n, sprung_mass, carrier };
+        let rotor = if links.known_accelerations().is_some() {
+            let force = push - spring_n + sprung_mass * carrier.free;
+            let rotor = self.advance_rotor_of(inertia + sprung_mass, force, step_s);
+            end.settle(&beside, (self.coefficients.stiffness, rotor.acceleration), step_s);
+            rotor
+        } else {
+            let equation = end.equation(beside, step_s);
+            let (mass, force) = equation.on_rotor();
+            let rotor = self.advance_rotor_of(inertia + mass, push + force, step_s);
+            end.advance(&equation, rotor.acceleration, step_s);
+            rotor
+        };
         let force_n = end.step.force_n;
         let (on_1, on_2) = match &self.path {
             Path::Rod { .. } => (spring_n, force_n + moving * end.step.carrier),

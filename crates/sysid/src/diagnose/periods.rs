@@ -1,0 +1,125 @@
+//! Periods of effects that repeat along the screw, read off the missing force: between two periods that differ by more than
+//! half a wave along the travel no fit finds its way, and simulating every one of them costs more than all other effects.
+
+use super::Candidate;
+use super::missing::{Missing, ports};
+use super::policy::{PERIOD_ROWS, PERIODS, WAVES_APART};
+use crate::data::Data;
+use rayon::prelude::*;
+use sealegs_model::{EffectCard, internal};
+use std::f64::consts::TAU;
+
+/// The card with starting periods where the missing force at the rotor has the most power along the screw; as it is where the
+/// effect has no period, or no observer shows what is missing.
+pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard) -> EffectCard {
+    let mut card = card.clone();
+    let place = card.id.rsplit_once('/').map_or("", |(place, _)| place).to_owned();
+    let Some(period) = card.parameters.iter_mut().find(|p| p.name.starts_with(EffectCard::PERIOD)) else {
+        return card;
+    };
+    let at = &observed.fit.evaluation;
+    let missing = ports(data, at, &at.predictions);
+    if let Some(missing) = missing.iter().find(|m| m.place == place && m.port == "rotor") {
+        let longest = period.starts.iter().copied().fold(period.value, f64::max);
+        let shortest = period.starts.iter().copied().fold(period.value, f64::min);
+        let rows = along_screw(data, observed, missing);
+        let found = strongest(&rows, (shortest, longest));
+        if let Some(first) = found.first() {
+            period.value = *first;
+            period.starts = found;
+        }
+    }
+    card
+}
+
+/// A row of the missing force along the screw.
+struct Row {
+    position: f64,
+    /// The missing force, and that times the direction of motion: a friction turns round with it.
+    force: [f64; 2],
+}
+
+/// The missing force over the screw's position, less its means over each of both directions.
+fn along_screw(data: &Data, observed: &Candidate, missing: &Missing) -> Vec<Row> {
+    let predictions = &observed.fit.evaluation.predictions;
+    let total: usize = missing.runs.iter().map(Vec::len).sum();
+    let every = (total as f64 / PERIOD_ROWS).ceil().max(1.0) as usize;
+    let mut rows: Vec<(f64, f64, f64)> = Vec::new();
+    for ((run, prediction), force) in data.runs.iter().zip(predictions).zip(&missing.runs) {
+        let of = |name| prediction.internal_at(&missing.place, name).unwrap_or(&[]);
+        let (position, speed) = (of(internal::SCREW_POSITION), of(internal::SCREW_SPEED));
+        let scored: Vec<usize> = run.rows().collect();
+        for (at, force) in scored.chunks(every).zip(force.chunks(every)) {
+            let middle = at[at.len() / 2];
+            if let (Some(y), Some(v)) = (position.get(middle), speed.get(middle)) {
+                rows.push((*y, v.signum(), force.iter().sum::<f64>() / force.len() as f64));
+            }
+        }
+    }
+    let mean = |direction: f64| {
+        let of = || rows.iter().filter(move |r| r.1 == direction).map(|r| r.2);
+        of().sum::<f64>() / of().count().max(1) as f64
+    };
+    let (forth, back) = (mean(1.0), mean(-1.0));
+    rows.iter()
+        .map(|&(position, direction, force)| {
+            let left = force - if direction > 0.0 { forth } else { back };
+            Row { position, force: [left, left * direction] }
+        })
+        .collect()
+}
+
+/// The periods between two bounds at which the force has most power, the strongest first.
+fn strongest(rows: &[Row], (shortest, longest): (f64, f64)) -> Vec<f64> {
+    let positions = || rows.iter().map(|r| r.position);
+    let (low, high) =
+        (positions().fold(f64::INFINITY, f64::min), positions().fold(f64::NEG_INFINITY, f64::max));
+    let travel = high - low;
+    if travel.is_nan() || travel <= 0.0 || shortest <= 0.0 {
+        return Vec::new();
+    }
+    // Waves along the travel, in even steps: a part of a wave turns a crest into a trough at the far end.
+    let (first, last) = (travel / longest, travel / shortest);
+    let steps = ((last - first) / WAVES_APART).ceil() as usize;
+    let waves: Vec<f64> = (0..=steps).map(|i| first + WAVES_APART * i as f64).collect();
+    let power: Vec<f64> = waves
+        .par_iter()
+        .map(|&waves| {
+            let mut sums = [[0.0; 2]; 2];
+            for row in rows {
+                let (sin, cos) = (TAU * waves * (row.position - low) / travel).sin_cos();
+                for (sum, force) in sums.iter_mut().zip(row.force) {
+                    sum[0] += force * sin;
+                    sum[1] += force * cos;
+                }
+            }
+            sums.iter().map(|s| s[0] * s[0] + s[1] * s[1]).fold(0.0, f64::max)
+        })
+        .collect();
+    let at = |i: usize| power.get(i).copied().unwrap_or(0.0);
+    let mut peaks: Vec<usize> =
+        (0..power.len()).filter(|&i| at(i) > at(i + 1) && (i == 0 || at(i) >= at(i - 1))).collect();
+    peaks.sort_by(|&a, &b| power[b].total_cmp(&power[a]));
+    peaks.into_iter().take(PERIODS as usize).map(|i| travel / waves[i]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_the_period_of_a_friction_along_many_waves_is_found() {
+        // Sixty waves along a travel of 0.12 that a slow motion goes up and down: a friction, and a much greater slow force.
+        let rows: Vec<Row> = (0..8000)
+            .map(|i| {
+                let phase = f64::from(i) * TAU / 3000.0;
+                let (position, direction) = (0.06 * phase.sin(), phase.cos().signum());
+                let friction = direction * (TAU * position / 0.002).cos();
+                let force = friction + 3.0 * (0.3 * phase).sin();
+                Row { position, force: [force, force * direction] }
+            })
+            .collect();
+        let found = strongest(&rows, (0.0005, 0.48));
+        assert!(found.iter().any(|p| (p / 0.002 - 1.0).abs() < 2e-3), "{found:?}");
+    }
+}
