@@ -105,6 +105,12 @@ pub trait Model: fmt::Debug + Send + Sync {
         self.clone_box()
     }
 
+    /// A copy with half the step, where a model's own is a compromise: how far the two predictions are apart is the error of
+    /// the integration. `None` where the model's own step is converged.
+    fn finer(&self) -> Option<Box<dyn Model>> {
+        None
+    }
+
     /// A copy whose simulations of these records an observer pulls to the motion that was measured there. Their
     /// predictions stay near the measurement where a force is missing, so that the residual is a smooth function of the
     /// parameters, and their internal signals `missing.PORT` ([`internal::MISSING`]) are the forces that the

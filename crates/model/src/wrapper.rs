@@ -38,6 +38,10 @@ macro_rules! passes_on_to_inner {
             self.around(self.inner.coarser(steps_per_sample))
         }
 
+        fn finer(&self) -> Option<Box<dyn $crate::Model>> {
+            self.inner.finer().map(|model| self.around(model))
+        }
+
         fn observing(&self, records: &[&$crate::Record]) -> Option<Box<dyn $crate::Model>> {
             self.inner.observing(records).map(|model| self.around(model))
         }

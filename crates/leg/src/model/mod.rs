@@ -71,6 +71,8 @@ pub struct LegModel {
     step_s: Option<f64>,
     /// Steps per sampling period where less exactness will do, see [`Model::coarser`].
     steps_per_sample: Option<f64>,
+    /// Whether the step is half of what it would be, see [`Model::finer`].
+    halved: bool,
     /// Measured motions to follow, see [`Model::observing`].
     observed: Option<Arc<observed::Observed>>,
     /// How many parameters behind the base model's are zeros of the joints' encoders: none but under an observer.
@@ -119,6 +121,7 @@ impl LegModel {
             own,
             step_s: None,
             steps_per_sample: None,
+            halved: false,
             observed: None,
             encoder_zeros: 0,
         };
@@ -348,6 +351,9 @@ impl Model for LegModel {
             (None, Some(steps)) => coarser_step(&scenario, record.mean_period_s() / steps),
             (None, None) => comparison_step(&scenario),
         };
+        if self.halved {
+            scenario.step_s *= 0.5;
+        }
         let effects = self.placed(values);
         match &self.observed {
             Some(observed) if observed.follows(record) => {
@@ -390,6 +396,10 @@ impl Model for LegModel {
 
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
         Box::new(Self { steps_per_sample: Some(steps_per_sample), ..self.clone() })
+    }
+
+    fn finer(&self) -> Option<Box<dyn Model>> {
+        Some(Box::new(Self { steps_per_sample: None, halved: true, ..self.clone() }))
     }
 
     fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {

@@ -1,5 +1,6 @@
 //! A set of effects beside the base model, fitted to the fit runs and cross-validated inside them.
 
+use super::compare::mean_square_difference;
 use super::validation::{Validation, validate};
 use crate::Error;
 use crate::data::{Data, Evaluation};
@@ -51,6 +52,17 @@ impl Candidate {
         let fit = fit(data, model.as_ref(), options)?;
         let validation = validate(data, model.as_ref(), &effects, &fit);
         Ok(Self { effects, model, fit, validation, exact: false })
+    }
+
+    /// Mean squared difference of a prediction of some runs and that with half the step, in squared noise units; 0 where the
+    /// model's own step is converged.
+    #[must_use]
+    pub fn step_error(&self, data: &Data, at: &Evaluation) -> f64 {
+        let finer = self
+            .model
+            .finer()
+            .and_then(|finer| data.judge(finer.as_ref(), &self.fit.values, self.fit.sensors()).ok());
+        finer.map_or(0.0, |finer| mean_square_difference(&finer, at))
     }
 
     /// What it leaves of runs that it was not fitted to, each sensor as it was fitted.

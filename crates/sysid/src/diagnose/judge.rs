@@ -2,8 +2,8 @@
 
 use super::compare::{excess, runs_helped};
 use super::policy::{
-    ADEQUATE, EXPLAINED, HOLDS_UP, LEFT_SHARE, LITTLE_LEFT, MOST_OF_IT, NAMED_SHARE, WITHIN_UNCERTAINTY,
-    WORTH_NAMING,
+    ADEQUATE, EXPLAINED, HOLDS_UP, LEFT_SHARE, LITTLE_LEFT, MOST_OF_IT, NAMED_SHARE, STEP_SHARE,
+    WITHIN_UNCERTAINTY, WORTH_NAMING,
 };
 use super::refine::in_windows;
 use super::search::all_but;
@@ -16,6 +16,10 @@ use rayon::prelude::*;
 /// Said where the fit runs are at the floor and the holdout runs are not.
 const ONLY_HELD_OUT: &str = "The fit runs are at the noise floor: what is missing shows in held-out runs only. Give one of \
                              those where it shows the role 'fit', and diagnose again.";
+
+/// Said where the error of the integration is a good part of what is left.
+const RATTLES: &str = "Half the step changes the prediction by a good part of what is left: the motion amplifies small errors, \
+                       as where play rattles, and no further effect can be told from that.";
 
 /// Sets in a ranking.
 const RANKED: usize = 16;
@@ -196,6 +200,10 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
     let mut remainder = if open { remainder(&[(holdout, &after_holdout)]) } else { Vec::new() };
     if open && found.tried[after.index].fit.error() <= ADEQUATE * floor {
         remainder.insert(0, ONLY_HELD_OUT.to_owned());
+    }
+    let step_error = || found.tried[after.index].step_error(holdout, &after_holdout);
+    if open && step_error() >= STEP_SHARE * excess(after_holdout.rms, floor) {
+        remainder.insert(0, RATTLES.to_owned());
     }
     let effects = if says { found.tried[index].effects.clone() } else { Vec::new() };
     let sets = |indices: &[usize]| -> Vec<Vec<String>> {

@@ -219,6 +219,7 @@ fn search<'a>(
         tried: vec![first],
         promises: Vec::new(),
         seen: Vec::new(),
+        observed: Vec::new(),
         progress,
     };
     let best = search.run();

@@ -5,13 +5,15 @@ use super::Candidate;
 use super::missing::{Missing, ports};
 use super::policy::{PERIOD_ROWS, PERIODS, WAVES_APART};
 use crate::data::Data;
+use crate::fit;
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, internal};
 use std::f64::consts::TAU;
 
-/// The card with starting periods where the missing force at the rotor has the most power along the screw; as it is where the
-/// effect has no period, or no observer shows what is missing.
+/// The card with starting periods where the missing force at the rotor has the most power along the screw, beside its own ones
+/// unless a simulation is dear; as it is where the effect has no period, or no observer shows what is missing.
 pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard) -> EffectCard {
+    let dear = fit::has_many_parameters(observed.model.as_ref());
     let mut card = card.clone();
     let place = card.id.rsplit_once('/').map_or("", |(place, _)| place).to_owned();
     let Some(period) = card.parameters.iter_mut().find(|p| p.name.starts_with(EffectCard::PERIOD)) else {
@@ -24,9 +26,9 @@ pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard)
         let shortest = period.starts.iter().copied().fold(period.value, f64::min);
         let rows = along_screw(data, observed, missing);
         let found = strongest(&rows, (shortest, longest));
-        if let Some(first) = found.first() {
-            period.value = *first;
-            period.starts = found;
+        match found.first() {
+            Some(first) if dear => (period.value, period.starts) = (*first, found),
+            _ => period.starts.extend(found),
         }
     }
     card

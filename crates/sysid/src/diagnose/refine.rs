@@ -76,11 +76,11 @@ impl<'a> Models<'a> {
     }
 
     /// Mean squared difference of a set's predictions with the search's steps and with the model's own, in squared noise
-    /// units; 0 where simulations are dear.
+    /// units; with half of the model's own where simulations are dear, as the search has no other ones there.
     #[must_use]
     pub fn step_error(&self, candidate: &Candidate) -> f64 {
         if self.dear {
-            return 0.0;
+            return candidate.step_error(self.data, &candidate.fit.evaluation);
         }
         let exact = in_windows(self.data, self.exact);
         let exactly = with_effects(exact.as_deref().unwrap_or(self.exact), &candidate.effects, &self.seen)

@@ -2,7 +2,7 @@
 
 use super::Candidate;
 use super::candidate::symbol;
-use super::compare::{clearly_better, gain};
+use super::compare::{clearly_better, gain, is_seen};
 use super::nested::simpler_id;
 use super::policy::{NEAR_FLOOR, TIED_COST};
 use super::screen::Known;
@@ -17,8 +17,8 @@ const SENSOR: &str = "sensor";
 
 impl Search<'_> {
     /// Fits what may be a set that explains everything by another name, before its ties are told: an effect at all sensors in
-    /// the place of one at the drive, as a delay of the command is one of every sensor and an observer follows the sensors;
-    /// and sets of no more effects that leave next to nothing, under the base model's other discrete choices, as a sample of
+    /// the place of one at the drive, and one at the drive in the place of that with the same parameters at all sensors, as a
+    /// delay of the command is one of every sensor and an observer follows the sensors; and sets of no more effects that leave next to nothing, under the base model's other discrete choices, as a sample of
     /// one delay may be the stamp's convention beside another.
     pub fn confirm_rivals(&mut self, best: usize) {
         let set = &self.tried[best];
@@ -28,16 +28,20 @@ impl Search<'_> {
         let (effects, size) = (set.effects.clone(), set.effects.len());
         let cards = self.models.exact.effects(&self.models.seen);
         let acts_on = |id: &String, port: &str| cards.iter().any(|c| c.id == *id && c.acts_on == port);
-        let everywhere: Vec<String> = self
-            .admitted
-            .iter()
-            .filter(|id| acts_on(id, SENSOR) && !id.contains('@') && !effects.contains(id))
-            .cloned()
-            .collect();
-        for leaving in effects.iter().filter(|id| acts_on(id, DRIVE)) {
+        let everywhere = |id: &String| acts_on(id, SENSOR) && !id.contains('@');
+        let parameters = |id: &String| -> Vec<String> {
+            let card = cards.iter().find(|c| c.id == *id);
+            card.into_iter().flat_map(|c| &c.parameters).map(|p| p.name.clone()).collect()
+        };
+        let replaces = |rival: &String, leaving: &String| match acts_on(leaving, DRIVE) {
+            true => everywhere(rival),
+            false => everywhere(leaving) && acts_on(rival, DRIVE) && parameters(rival) == parameters(leaving),
+        };
+        for leaving in &effects {
             let rest = Candidate { effects: all_but(&effects, leaving), ..self.tried[best].clone() };
-            for rival in &everywhere {
-                let with = self.set_with(&rest, std::slice::from_ref(rival));
+            let rivals = self.admitted.iter().filter(|id| !effects.contains(id) && replaces(id, leaving));
+            for rival in rivals.cloned().collect::<Vec<_>>() {
+                let with = self.set_with(&rest, &[rival]);
                 self.index_of(&with, best);
             }
         }
@@ -115,13 +119,21 @@ impl Search<'_> {
             self.models.finish_best(&mut fitted);
             let [fitted] = fitted;
             let index = self.kept(fitted);
-            if !clearly_better(&self.tried[index], &self.tried[chosen], floor) {
+            let (simple, richer) = (&self.tried[index], &self.tried[chosen]);
+            if !clearly_better(simple, richer, floor) || self.is_unseen(simple, richer) {
                 tied.retain(|&i| i != index);
                 tied.push(chosen);
                 return self.simplified(index, tied);
             }
         }
         chosen
+    }
+
+    /// Whether an observer does not see what a richer law gains over a simple one, where a simulation is dear: a leg whose
+    /// motion amplifies small errors follows either by chance.
+    fn is_unseen(&self, simple: &Candidate, richer: &Candidate) -> bool {
+        let observed = || Some((self.observing(simple)?, self.observing(richer)?));
+        self.models.dear && observed().is_some_and(|(simple, richer)| !is_seen(&simple.fit, &richer.fit))
     }
 
     /// The chosen set with one of its laws in two parts, the simpler law and what makes up its departure, where that has no

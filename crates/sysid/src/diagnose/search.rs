@@ -4,7 +4,7 @@
 use super::compare::{clearly_better, excess, is_beyond_chance, is_seen};
 use super::policy::{
     AT_FLOOR, EXPLAINED, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR,
-    NEEDED_COST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE,
+    NEEDED_COST, OPEN_LOOP_WORTH, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE,
 };
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -33,6 +33,8 @@ pub(super) struct Search<'a> {
     pub promises: Vec<Promise>,
     /// Sets that gain more under the observer than chance gives, over what they were grown from.
     pub seen: Vec<Vec<String>>,
+    /// Every set that was fitted under the observer, with what it left and its values.
+    pub observed: Vec<(Vec<String>, f64, Known)>,
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -74,9 +76,12 @@ impl Search<'_> {
             }
             self.fit_from_every_start(better, best);
             best = better;
-            self.refine_steps(best);
+            let rugged = self.refine_steps(best);
             if last {
                 return (best, true);
+            }
+            if rugged {
+                break;
             }
         }
         (best, false)
@@ -122,8 +127,13 @@ impl Search<'_> {
         let left = (self.tried[from].fit.cost - noise).max(0.0);
         let near = self.tried[from].clone();
         let mut fitted = self.fit_all(&near, beside.as_ref(), screened.plans(left), None);
-        let most = NEAR_FLOOR * self.models.data.floor;
-        let unexplained = fitted.iter().all(|&i| self.tried[i].fit.error() > most);
+        let floor = self.models.data.floor;
+        let much = OPEN_LOOP_WORTH * excess(self.tried[from].fit.error(), floor);
+        let unexplained = |i: usize| {
+            let error = self.tried[i].fit.error();
+            error > NEAR_FLOOR * floor && !(self.models.dear && excess(error, floor) < much)
+        };
+        let unexplained = fitted.iter().all(|&i| unexplained(i));
         if let Some(beside) = beside.as_ref().filter(|_| unexplained) {
             let plans = self.in_open_loop(from, beside, &screened);
             fitted.extend(self.fit_all(&near, None, plans, None));
@@ -177,8 +187,7 @@ impl Search<'_> {
     fn screened(&self, from: usize) -> (Screened, Option<Candidate>) {
         let (models, candidate) = (&self.models, &self.tried[from]);
         (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
-        let known = with_nominal_base(models.exact, &candidate.known());
-        let beside = models.observing(candidate, &known);
+        let beside = self.observing(candidate);
         let cards = addable(candidate.model.as_ref(), &models.seen, &self.admitted);
         (self.at(beside.as_ref().unwrap_or(candidate), &cards), beside)
     }
@@ -204,6 +213,16 @@ impl Search<'_> {
         let promises = self.at(candidate, &cards).promises.into_iter().filter(|p| p.drop > 0.0);
         let alone = |p: Promise| Plan { added: vec![p.effect], drop: p.drop, start: p.start };
         promises.take(OPEN_LOOP).map(alone).collect()
+    }
+
+    /// A set as it is under the observer: from its values in open loop, or from where it was fitted there before. Play that
+    /// rattles differs much between the two.
+    pub fn observing(&self, set: &Candidate) -> Option<Candidate> {
+        let before = self.observed.iter().filter(|(effects, ..)| *effects == set.effects);
+        let before = before.reduce(|a, b| if b.1 < a.1 { b } else { a });
+        let open = self.models.observing(set, &with_nominal_base(self.models.exact, &set.known()));
+        let again = before.and_then(|(.., known)| self.models.observing(set, known));
+        open.into_iter().chain(again).reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
     }
 
     fn at(&self, beside: &Candidate, cards: &[EffectCard]) -> Screened {
@@ -241,6 +260,11 @@ impl Search<'_> {
         if let Some(beside) = beside {
             let seen = |fit: &Option<Fit>| fit.as_ref().is_some_and(|fit| is_seen(&beside.fit, fit));
             self.seen.extend(ranked.iter().filter(|(.., fit)| seen(fit)).map(|(set, ..)| set.clone()));
+            let known = |fit: &Fit| fit.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
+            let there = |(set, _, fit): &(Vec<String>, Known, Option<Fit>)| {
+                fit.as_ref().map(|fit| (set.clone(), fit.cost, known(fit)))
+            };
+            self.observed.extend(ranked.iter().filter_map(there));
         }
         let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
         // Without an observer they stay in the order of what they promise.
@@ -333,18 +357,23 @@ impl Search<'_> {
     }
 
     /// Goes on with the model's own steps where the search's make a good part of what a set leaves: further effects would
-    /// explain the error of the steps.
-    fn refine_steps(&mut self, index: usize) {
+    /// explain the error of the steps. Where simulations are dear they are the model's own already: returns then whether the
+    /// set grows no further.
+    fn refine_steps(&mut self, index: usize) -> bool {
         let (set, floor) = (&self.tried[index], self.models.data.floor);
         let left = excess(set.fit.error(), floor);
         if self.at_floor(index) || self.models.step_error(set) < STEP_SHARE * left {
-            return;
+            return false;
+        }
+        if self.models.dear {
+            return true;
         }
         self.models.refine();
         let (effects, known) = (set.effects.clone(), set.known());
         if let Some(again) = self.models.fitted(&self.tried[index], &effects, &known, None) {
             self.tried[index] = again;
         }
+        false
     }
 
     /// Whether a set leaves less of the fit runs than the share of the base model's error that an effect must take.
@@ -366,10 +395,14 @@ impl Search<'_> {
     }
 
     /// The best of some sets if it is clearly better than another one, else that. What is better by chance in open loop
-    /// alone does not count.
+    /// alone does not count; nor, where a simulation is dear, what the observer could have seen and has not: a leg with play
+    /// that rattles, or a foot that strikes, amplifies any change.
     fn best_of(&self, indices: &[usize], than: usize) -> usize {
         let (floor, worse) = (self.models.data.floor, &self.tried[than]);
-        let real = |set: &Candidate| self.seen.contains(&set.effects) || is_beyond_chance(worse, set);
+        let unseen = |set: &Candidate| self.models.dear && self.observed.iter().any(|o| o.0 == set.effects);
+        let real = |set: &Candidate| {
+            self.seen.contains(&set.effects) || (!unseen(set) && is_beyond_chance(worse, set))
+        };
         let better = |set: &Candidate| clearly_better(worse, set, floor) && real(set);
         let better = indices.iter().copied().filter(|&i| better(&self.tried[i]));
         better.reduce(|a, b| if self.mean_square(b) < self.mean_square(a) { b } else { a }).unwrap_or(than)
@@ -451,8 +484,7 @@ impl Search<'_> {
                 fitted.extend(self.fit_all(&near, beside.as_ref(), plans, own));
             } else if let Some(without) = self.index_of(&rest, best) {
                 let near = self.tried[without].clone();
-                let known = with_nominal_base(self.models.exact, &near.known());
-                let beside = self.models.observing(&near, &known);
+                let beside = self.observing(&near);
                 fitted.extend(self.fit_all(&near, beside.as_ref(), plans, None));
             }
         }
@@ -468,8 +500,7 @@ impl Search<'_> {
         if !self.models.is_settled(set, &self.tried[0]) {
             return None;
         }
-        let known = with_nominal_base(self.models.exact, &set.known());
-        self.models.observing(&Candidate { effects: effects.to_vec(), ..set.clone() }, &known)
+        self.observing(&Candidate { effects: effects.to_vec(), ..set.clone() })
     }
 
     /// The index of a fitted set: among those tried, where the better of two fits of one set stays.

@@ -160,8 +160,8 @@ impl ScrewEnd {
     fn settle(&mut self, beside: &Beside, (stiffness, rotor_acceleration): (f64, f64), step_s: f64) {
         let pull = self.compliance.stiffness * self.compressed_m;
         let carrier = beside.carrier.free + beside.carrier.mobility * pull;
-        let push = beside.spring_n - pull - self.moving(beside) * carrier
-            + beside.sprung_mass * rotor_acceleration;
+        let push =
+            beside.spring_n - pull - self.moving(beside) * carrier + beside.sprung_mass * rotor_acceleration;
         let moved = push / (self.compliance.stiffness + stiffness);
         let after = moved / step_s;
         self.step = ScrewEndStep {
@@ -244,4 +244,28 @@ impl Actuator {
 /// the lumped model has no screw.
 pub(crate) fn carries_series(configuration: Configuration) -> bool {
     configuration == Configuration::SprungMotorHousing
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_two_springs_in_series_share_a_known_length_at_once() {
+        let (stiffness, mass, sprung_mass, free) = (4e5, 0.1, 0.6, 3.0);
+        let compliance = SeriesCompliance { stiffness: 1.5e5, mass };
+        let mut end = ScrewEnd::new(compliance);
+        let length = 1e-3;
+        for _ in 0..2 {
+            let spring_n = stiffness * (length - end.compressed_m);
+            let beside = Beside { spring_n, sprung_mass, carrier: Carrier { free, mobility: 0.0 } };
+            end.settle(&beside, (stiffness, 0.0), 1e-4);
+            // k (l - s) = k_j s + (m_p + m_u) a
+            let balance =
+                (stiffness * length - (mass + sprung_mass) * free) / (stiffness + compliance.stiffness);
+            assert!((end.compressed_m / balance - 1.0).abs() < 1e-12);
+            assert!((end.step.force_n / (compliance.stiffness * balance) - 1.0).abs() < 1e-12);
+        }
+        assert!(end.speed_m_s.abs() < 1e-12);
+    }
 }
