@@ -40,6 +40,9 @@ impl EffectCard {
     /// How the parameter is called, up to its unit, after which an effect repeats.
     pub const PERIOD: &'static str = "period";
 
+    /// How the parameter is called that says how often an effect repeats in a turn of the rotor.
+    pub const CYCLES: &'static str = "cycles_per_rev";
+
     /// Whether the effect repeats with some coordinate; see [`EffectCard::parameters`].
     #[must_use]
     pub fn is_periodic(&self) -> bool {

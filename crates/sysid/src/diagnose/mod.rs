@@ -218,7 +218,6 @@ fn search<'a>(
         admitted,
         tried: vec![first],
         promises: Vec::new(),
-        seen: Vec::new(),
         observed: Vec::new(),
         progress,
     };

@@ -1,9 +1,10 @@
-//! Periods of effects that repeat along the screw, read off the missing force: between two periods that differ by more than
-//! half a wave along the travel no fit finds its way, and simulating every one of them costs more than all other effects.
+//! Periods of effects that repeat along the screw or with the rotor, read off the missing force: between two periods that
+//! differ by more than half a wave along the travel no fit finds its way, and simulating every one of them costs more than all
+//! other effects.
 
 use super::Candidate;
 use super::missing::{Missing, ports};
-use super::policy::{PERIOD_ROWS, PERIODS, WAVES_APART};
+use super::policy::{CYCLES, PERIOD_ROWS, PERIODS, WAVES_APART};
 use crate::data::Data;
 use crate::fit;
 use rayon::prelude::*;
@@ -11,45 +12,63 @@ use sealegs_model::{EffectCard, internal};
 use std::f64::consts::TAU;
 
 /// The card with starting periods where the missing force at the rotor has the most power along the screw, beside its own ones
-/// unless a simulation is dear; as it is where the effect has no period, or no observer shows what is missing.
+/// unless a simulation is dear; there it keeps those of its starting cycles per turn of the rotor that have most power. As it
+/// is where the effect has neither, or no observer shows what is missing.
 pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard) -> EffectCard {
     let dear = fit::has_many_parameters(observed.model.as_ref());
     let mut card = card.clone();
     let place = card.id.rsplit_once('/').map_or("", |(place, _)| place).to_owned();
-    let Some(period) = card.parameters.iter_mut().find(|p| p.name.starts_with(EffectCard::PERIOD)) else {
-        return card;
+    let rotor = || {
+        let at = &observed.fit.evaluation;
+        ports(data, at, &at.predictions).into_iter().find(|m| m.place == place && m.port == "rotor")
     };
-    let at = &observed.fit.evaluation;
-    let missing = ports(data, at, &at.predictions);
-    if let Some(missing) = missing.iter().find(|m| m.place == place && m.port == "rotor") {
-        let longest = period.starts.iter().copied().fold(period.value, f64::max);
-        let shortest = period.starts.iter().copied().fold(period.value, f64::min);
-        let rows = along_screw(data, observed, missing);
-        let found = strongest(&rows, (shortest, longest));
-        match found.first() {
-            Some(first) if dear => (period.value, period.starts) = (*first, found),
-            _ => period.starts.extend(found),
+    for p in &mut card.parameters {
+        if p.name.starts_with(EffectCard::PERIOD)
+            && let Some(missing) = rotor()
+        {
+            let starts = || p.starts.iter().copied().chain([p.value]);
+            let (shortest, longest) =
+                (starts().fold(f64::INFINITY, f64::min), starts().fold(f64::NEG_INFINITY, f64::max));
+            let found =
+                strongest(&along(data, observed, &missing, internal::SCREW_POSITION), (shortest, longest));
+            match found.first() {
+                Some(first) if dear => (p.value, p.starts) = (*first, found),
+                _ => p.starts.extend(found),
+            }
+        } else if p.name == EffectCard::CYCLES
+            && dear
+            && let Some(missing) = rotor()
+        {
+            let rows = along(data, observed, &missing, internal::ROTOR_ANGLE);
+            let power = powers(&rows, &p.starts.iter().map(|cycles| cycles / TAU).collect::<Vec<_>>());
+            let mut order: Vec<usize> = (0..power.len()).collect();
+            order.sort_by(|&a, &b| power[b].total_cmp(&power[a]));
+            order.truncate(CYCLES as usize);
+            let kept: Vec<f64> = order.into_iter().map(|i| p.starts[i]).collect();
+            if let Some(first) = kept.first() {
+                (p.value, p.starts) = (*first, kept);
+            }
         }
     }
     card
 }
 
-/// A row of the missing force along the screw.
+/// A row of the missing force along the screw, or over the rotor's angle.
 struct Row {
     position: f64,
     /// The missing force, and that times the direction of motion: a friction turns round with it.
     force: [f64; 2],
 }
 
-/// The missing force over the screw's position, less its means over each of both directions.
-fn along_screw(data: &Data, observed: &Candidate, missing: &Missing) -> Vec<Row> {
+/// The missing force over an internal signal, less its means over each of both directions of motion.
+fn along(data: &Data, observed: &Candidate, missing: &Missing, over: &str) -> Vec<Row> {
     let predictions = &observed.fit.evaluation.predictions;
     let total: usize = missing.runs.iter().map(Vec::len).sum();
     let every = (total as f64 / PERIOD_ROWS).ceil().max(1.0) as usize;
     let mut rows: Vec<(f64, f64, f64)> = Vec::new();
     for ((run, prediction), force) in data.runs.iter().zip(predictions).zip(&missing.runs) {
         let of = |name| prediction.internal_at(&missing.place, name).unwrap_or(&[]);
-        let (position, speed) = (of(internal::SCREW_POSITION), of(internal::SCREW_SPEED));
+        let (position, speed) = (of(over), of(internal::SCREW_SPEED));
         let scored: Vec<usize> = run.rows().collect();
         for (at, force) in scored.chunks(every).zip(force.chunks(every)) {
             let middle = at[at.len() / 2];
@@ -84,25 +103,28 @@ fn strongest(rows: &[Row], (shortest, longest): (f64, f64)) -> Vec<f64> {
     let (first, last) = (travel / longest, travel / shortest);
     let steps = ((last - first) / WAVES_APART).ceil() as usize;
     let waves: Vec<f64> = (0..=steps).map(|i| first + WAVES_APART * i as f64).collect();
-    let power: Vec<f64> = waves
-        .par_iter()
-        .map(|&waves| {
-            let mut sums = [[0.0; 2]; 2];
-            for row in rows {
-                let (sin, cos) = (TAU * waves * (row.position - low) / travel).sin_cos();
-                for (sum, force) in sums.iter_mut().zip(row.force) {
-                    sum[0] += force * sin;
-                    sum[1] += force * cos;
-                }
-            }
-            sums.iter().map(|s| s[0] * s[0] + s[1] * s[1]).fold(0.0, f64::max)
-        })
-        .collect();
+    let power = powers(rows, &waves.iter().map(|waves| waves / travel).collect::<Vec<_>>());
     let at = |i: usize| power.get(i).copied().unwrap_or(0.0);
     let mut peaks: Vec<usize> =
         (0..power.len()).filter(|&i| at(i) > at(i + 1) && (i == 0 || at(i) >= at(i - 1))).collect();
     peaks.sort_by(|&a, &b| power[b].total_cmp(&power[a]));
     peaks.into_iter().take(PERIODS as usize).map(|i| travel / waves[i]).collect()
+}
+
+/// The power of the force, or of it times the direction of motion, in waves of so many per unit of the position.
+fn powers(rows: &[Row], waves: &[f64]) -> Vec<f64> {
+    let power = |waves: &f64| {
+        let mut sums = [[0.0; 2]; 2];
+        for row in rows {
+            let (sin, cos) = (TAU * waves * row.position).sin_cos();
+            for (sum, force) in sums.iter_mut().zip(row.force) {
+                sum[0] += force * sin;
+                sum[1] += force * cos;
+            }
+        }
+        sums.iter().map(|s| s[0] * s[0] + s[1] * s[1]).fold(0.0, f64::max)
+    };
+    waves.par_iter().map(power).collect()
 }
 
 #[cfg(test)]

@@ -177,6 +177,9 @@ policy! {
     WAVES_APART = 0.25;
     /// Periods of the greatest power that are simulated.
     PERIODS = 4.0;
+    /// Cycles per turn of the rotor that are simulated where a simulation is dear, of all those that have the greatest power: a
+    /// ripple that noise puts behind a quarter of them is not seen by a fit either.
+    CYCLES = 12.0;
     /// Rows of a picture: more add correlated samples only.
     DRAWN_ROWS = 6000.0;
     /// Blocks that are left out one at a time in a free-form regression.

@@ -18,11 +18,15 @@ const SENSOR: &str = "sensor";
 impl Search<'_> {
     /// Fits what may be a set that explains everything by another name, before its ties are told: an effect at all sensors in
     /// the place of one at the drive, and one at the drive in the place of that with the same parameters at all sensors, as a
-    /// delay of the command is one of every sensor and an observer follows the sensors; and sets of no more effects that leave next to nothing, under the base model's other discrete choices, as a sample of
-    /// one delay may be the stamp's convention beside another.
+    /// delay of the command is one of every sensor and an observer follows the sensors; and sets of no more effects that leave
+    /// next to nothing, under the base model's other discrete choices, as a sample of one delay may be the stamp's convention
+    /// beside another.
     pub fn confirm_rivals(&mut self, best: usize) {
+        if self.models.dear {
+            return self.finish_simpler(best);
+        }
         let set = &self.tried[best];
-        if self.models.dear || set.effects.is_empty() || !self.models.is_settled(set, &self.tried[0]) {
+        if set.effects.is_empty() || !self.models.is_settled(set, &self.tried[0]) {
             return;
         }
         let (effects, size) = (set.effects.clone(), set.effects.len());
@@ -56,6 +60,24 @@ impl Search<'_> {
             if settled.fit.cost < self.tried[i].fit.cost {
                 self.tried[i] = settled;
             }
+        }
+    }
+
+    /// Where simulations are dear only the leader's fit is finished: fits the sets of fewer parameters on that leave a trace
+    /// only. A spring at another setting is as stiff as one with a clamp beside it that never slips.
+    fn finish_simpler(&mut self, best: usize) {
+        let chosen = &self.tried[best];
+        let is_simpler = |t: &Candidate| {
+            (1..=chosen.effects.len()).contains(&t.effects.len())
+                && t.effect_parameters() < chosen.effect_parameters()
+        };
+        let simpler: Vec<usize> =
+            (1..self.tried.len()).filter(|&i| is_simpler(&self.tried[i]) && self.is_explained(i)).collect();
+        for i in simpler {
+            let mut finished = [self.tried[i].clone()];
+            self.models.finish_best(&mut finished);
+            let [finished] = finished;
+            self.kept(finished);
         }
     }
 

@@ -22,6 +22,16 @@ const RIVALS: usize = 3;
 /// Effects of the screening in open loop that are fitted.
 const OPEN_LOOP: usize = 4;
 
+/// A set as it was fitted under the observer.
+pub(super) struct Observed {
+    effects: Vec<String>,
+    /// What it left.
+    cost: f64,
+    known: Known,
+    /// Whether it gains more than chance gives, over what it was grown from.
+    gains: bool,
+}
+
 /// The search's state.
 pub(super) struct Search<'a> {
     pub models: Models<'a>,
@@ -31,10 +41,8 @@ pub(super) struct Search<'a> {
     pub tried: Vec<Candidate>,
     /// What screening promised of each effect beside the base model.
     pub promises: Vec<Promise>,
-    /// Sets that gain more under the observer than chance gives, over what they were grown from.
-    pub seen: Vec<Vec<String>>,
-    /// Every set that was fitted under the observer, with what it left and its values.
-    pub observed: Vec<(Vec<String>, f64, Known)>,
+    /// Every set that was fitted under the observer.
+    pub observed: Vec<Observed>,
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -218,10 +226,10 @@ impl Search<'_> {
     /// A set as it is under the observer: from its values in open loop, or from where it was fitted there before. Play that
     /// rattles differs much between the two.
     pub fn observing(&self, set: &Candidate) -> Option<Candidate> {
-        let before = self.observed.iter().filter(|(effects, ..)| *effects == set.effects);
-        let before = before.reduce(|a, b| if b.1 < a.1 { b } else { a });
+        let before = self.observed.iter().filter(|o| o.effects == set.effects);
+        let before = before.reduce(|a, b| if b.cost < a.cost { b } else { a });
         let open = self.models.observing(set, &with_nominal_base(self.models.exact, &set.known()));
-        let again = before.and_then(|(.., known)| self.models.observing(set, known));
+        let again = before.and_then(|o| self.models.observing(set, &o.known));
         open.into_iter().chain(again).reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
     }
 
@@ -258,13 +266,12 @@ impl Search<'_> {
         let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =
             jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
         if let Some(beside) = beside {
-            let seen = |fit: &Option<Fit>| fit.as_ref().is_some_and(|fit| is_seen(&beside.fit, fit));
-            self.seen.extend(ranked.iter().filter(|(.., fit)| seen(fit)).map(|(set, ..)| set.clone()));
-            let known = |fit: &Fit| fit.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
-            let there = |(set, _, fit): &(Vec<String>, Known, Option<Fit>)| {
-                fit.as_ref().map(|fit| (set.clone(), fit.cost, known(fit)))
-            };
-            self.observed.extend(ranked.iter().filter_map(there));
+            self.observed.extend(ranked.iter().filter_map(|(set, _, fit)| {
+                let fit = fit.as_ref()?;
+                let known = fit.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
+                let gains = is_seen(&beside.fit, fit);
+                Some(Observed { effects: set.clone(), cost: fit.cost, known, gains })
+            }));
         }
         let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
         // Without an observer they stay in the order of what they promise.
@@ -377,7 +384,7 @@ impl Search<'_> {
     }
 
     /// Whether a set leaves less of the fit runs than the share of the base model's error that an effect must take.
-    fn is_explained(&self, index: usize) -> bool {
+    pub fn is_explained(&self, index: usize) -> bool {
         let floor = self.models.data.floor;
         let above = |i: usize| (self.tried[i].fit.error() - floor).max(0.0);
         index > 0 && above(index) < LEFT_SHARE * above(0)
@@ -399,9 +406,10 @@ impl Search<'_> {
     /// that rattles, or a foot that strikes, amplifies any change.
     fn best_of(&self, indices: &[usize], than: usize) -> usize {
         let (floor, worse) = (self.models.data.floor, &self.tried[than]);
-        let unseen = |set: &Candidate| self.models.dear && self.observed.iter().any(|o| o.0 == set.effects);
         let real = |set: &Candidate| {
-            self.seen.contains(&set.effects) || (!unseen(set) && is_beyond_chance(worse, set))
+            let mut observed = self.observed.iter().filter(|o| o.effects == set.effects).peekable();
+            let unseen = self.models.dear && observed.peek().is_some();
+            observed.any(|o| o.gains) || (!unseen && is_beyond_chance(worse, set))
         };
         let better = |set: &Candidate| clearly_better(worse, set, floor) && real(set);
         let better = indices.iter().copied().filter(|&i| better(&self.tried[i]));
