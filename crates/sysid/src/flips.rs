@@ -1,9 +1,9 @@
 //! Whether a choice among fitted sets flips when fit runs are left out, told without another fit or simulation.
 //!
 //! Where the fit runs are three or more, every candidate's [`Validation`] holds what it leaves of each run when that run is
-//! foreseen from the others. A split leaves one run out of that comparison. It keeps the set that was chosen unless it turns
+//! predicted from the others. A split leaves one run out of that comparison. It keeps the set that was chosen unless it turns
 //! one of the judgements that led there: a set that is not clearly better on all runs is so without this one, or a smaller
-//! set that is clearly worse on all runs is not so without it. The values that foresee the other runs still know the run
+//! set that is clearly worse on all runs is not so without it. The values that predict the other runs still know the run
 //! that is left out, so that a split that keeps the choice is weaker evidence than one that flips it.
 
 use crate::Evaluation;

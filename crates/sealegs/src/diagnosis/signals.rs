@@ -17,9 +17,9 @@ pub struct MissingSignal {
     pub uncertainty: f64,
     /// Whether it is more than noise.
     pub felt: bool,
-    /// What it depends on, the best first: those that foresee nearly as much as the best, the simplest of them first.
+    /// What it depends on, the best first: those that predict nearly as much as the best, the simplest of them first.
     pub depends_on: Vec<String>,
-    /// Share of it above the noise that the first foresees on left-out blocks of the fit runs.
+    /// Share of it above the noise that the first predicts on left-out blocks of the fit runs.
     pub explained: f64,
     /// All dependences with their shares.
     pub shares: Vec<Share>,
@@ -33,7 +33,7 @@ pub struct MissingSignal {
 pub struct Share {
     /// On what.
     pub on: String,
-    /// Share foreseen on left-out blocks.
+    /// Share predicted on left-out blocks.
     pub explained: f64,
 }
 

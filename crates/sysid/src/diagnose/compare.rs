@@ -44,7 +44,7 @@ pub fn clearly_better(worse: &Candidate, better: &Candidate, floor: f64) -> bool
     {
         return false;
     }
-    // Left-out stretches are foreseen by one linear step: where that is rough, what fits no better is no better.
+    // Left-out stretches are predicted by one linear step: where that is rough, what fits no better is no better.
     let fitted = 2.0 * (worse.fit.cost - better.fit.cost);
     let left = (2.0 * worse.fit.cost - floor * floor * residuals).max(0.0);
     // What stays remembers: its samples are worth far less than their number, as they are for standard errors.

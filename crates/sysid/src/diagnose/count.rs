@@ -1,8 +1,8 @@
 //! Counts: parameters along which a prediction jumps, such as the resolution of a drive, found by simulating many values.
 //!
-//! The error has a narrow valley at the truth and many beside it, and no derivative shows the way. A drive that
+//! The cost has a narrow minimum at the truth and many local ones beside it, and no derivative shows the way. A drive that
 //! resolves its greatest command in `N` counts shifts the last of them by one where `N` changes by one: the values
-//! that are tried are even in `N`. A fit holds such parameters and moves all others; in between they are looked for
+//! that are tried are even in `N`. A fit holds such parameters and moves all others; in between they are searched
 //! again nearby.
 
 use super::Candidate;
@@ -40,15 +40,15 @@ const KEPT: usize = 4;
 /// See [`KEPT`].
 const APART: f64 = 1.003;
 
-/// Neighbourhoods in which a value is looked for again: half-width as a ratio, and points to each side.
+/// Neighbourhoods in which a value is searched again: half-width as a ratio, and points to each side.
 const NEARBY: [(f64, i32); 5] = [(0.02, 20), (0.002, 16), (0.0002, 8), (2e-5, 8), (2e-6, 8)];
 
-/// First shift by which the room of a value is measured, as a ratio, and the ratio of each to the one before.
+/// First shift by which the margin of a value is measured, as a ratio, and the ratio of each to the one before.
 const LEAST_SHIFT: f64 = 1e-8;
 /// See [`LEAST_SHIFT`].
 const FURTHER: f64 = 1.5;
 
-/// Times that it is looked for and all others are fitted.
+/// Times that it is searched and all others are fitted.
 const ROUNDS: usize = 3;
 
 /// Whether derivatives say nothing of a parameter.
@@ -87,14 +87,14 @@ pub fn fit_holding(data: &Data, model: &dyn Model, options: &FitOptions) -> Resu
     let (steps, converged) = (fitted.steps, fitted.converged);
     let mut fit = Fit { steps, converged, ..fit::fit(data, model, &there)? };
     for (i, p) in model.parameters().iter().enumerate().filter(|(_, p)| is_count(p) && !p.fixed) {
-        fit.parameters[i].std = room(data, model, &fit, i, p);
+        fit.parameters[i].std = margin(data, model, &fit, i, p);
     }
     Ok(fit)
 }
 
 /// How far a parameter can be moved to the side where it can go further, until the cost rises as for one standard
 /// deviation of noise that explains what is left.
-fn room(data: &Data, model: &dyn Model, fit: &Fit, index: usize, p: &Parameter) -> f64 {
+fn margin(data: &Data, model: &dyn Model, fit: &Fit, index: usize, p: &Parameter) -> f64 {
     let at = fit.values[index];
     let size = at.abs().max(LEAST_SHIFT * (p.max - p.min));
     let most = fit.evaluation.cost + 0.5 * fit.error().powi(2).max(1.0);
@@ -230,7 +230,7 @@ fn cut<'a>(run: &DataRun<'a>, record: &'a Record) -> DataRun<'a> {
     }
 }
 
-/// A candidate whose count was looked for again nearby, `fitted` from the better value each time.
+/// A candidate whose count was searched again nearby, `fitted` from the better value each time.
 #[must_use]
 pub fn tuned(
     data: &Data,

@@ -50,7 +50,7 @@ pub struct Curve {
 pub struct Dependence {
     /// On what: `speed`, `direction of motion`, `position`, ...
     pub on: &'static str,
-    /// Share of the signal above its noise that it foresees on left-out blocks.
+    /// Share of the signal above its noise that it predicts on left-out blocks.
     pub explained: f64,
     /// Coefficients that it takes.
     pub coefficients: usize,
@@ -75,7 +75,7 @@ impl Form {
     }
 }
 
-/// The dependences of a missing signal, the one that foresees most first; empty where nothing does.
+/// The dependences of a missing signal, the one that predicts most first; empty where nothing does.
 ///
 /// `nuisances` are what wrong base parameters would show in it.
 #[must_use]
@@ -104,7 +104,7 @@ pub(super) fn dependences(
         target.len() as f64 * missing.slow.1.powi(2)
     };
     let alone = left_out(&base, &target, &rows.block, (&known, None));
-    // A method's own error is no white noise that a curve could not foresee: at least half of the signal counts.
+    // A method's own error is no white noise that a curve could not predict: at least half of the signal counts.
     let signal = (alone - noise).max(0.5 * alone).max(f64::MIN_POSITIVE);
     let motor = mean(&rows.motor);
     let mut found: Vec<Dependence> = forms(&rows, missing.port.starts_with("sensor/"))
@@ -125,7 +125,7 @@ pub(super) fn dependences(
         .filter(|d| d.explained > DEPENDS)
         .collect();
     found.sort_by(|a, b| b.explained.total_cmp(&a.explained));
-    // Of those that foresee about as much, the simplest first.
+    // Of those that predict about as much, the simplest first.
     if let Some(best) = found.first().map(|d| d.explained) {
         let near = found.iter().take_while(|d| d.explained > best - RICHER).count();
         found[..near].sort_by_key(|d| d.coefficients);

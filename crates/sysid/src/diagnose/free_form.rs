@@ -22,7 +22,7 @@ pub struct FreeForm {
     pub port: String,
     /// What it depends on, as in [`Dependence::on`].
     pub on: &'static str,
-    /// Share of what a curve over the speed foresees that the direction of motion foresees by itself; 0 of other curves.
+    /// Share of what a curve over the speed predicts that the direction of motion predicts by itself; 0 of other curves.
     pub dry_share: f64,
     /// The set beside which it was fitted, in [`Found::tried`]: the base model, or the chosen one.
     pub beside: usize,
@@ -62,7 +62,7 @@ pub(super) fn look(models: &Models, found: &mut Found, before: &[Port], after: &
     beside.into_iter().chain(alone).collect()
 }
 
-/// Whether a curve over the speed is dry friction with something beside it: its sign alone foresees nearly as much.
+/// Whether a curve over the speed is dry friction with something beside it: its sign alone predicts nearly as much.
 fn is_dry_friction(law: &FreeForm) -> bool {
     law.on == "speed" && law.dry_share >= DRY_MOSTLY
 }

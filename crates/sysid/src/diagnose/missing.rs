@@ -166,7 +166,7 @@ fn noise_alone(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missi
 pub struct Port {
     /// The missing signal.
     pub missing: Missing,
-    /// What it depends on, the dependence that foresees most first; empty where nothing is felt, or nothing foresees it.
+    /// What it depends on, the dependence that predicts most first; empty where nothing is felt, or nothing predicts it.
     pub depends: Vec<Dependence>,
     /// The missing signal over the first of them.
     pub force: Option<MissingForce>,

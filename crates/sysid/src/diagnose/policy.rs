@@ -39,7 +39,7 @@ policy! {
     /// The same from which on it is named even if one held-out run gains nothing.
     MOST_OF_IT = 0.5;
     /// Share of the missing energy that a set leaves on held-out runs over the share that it leaves on fit runs, beyond
-    /// which it bent to the runs that it was fitted to.
+    /// which it is overfitted to them.
     HOLDS_UP = 3.0;
     /// Share that it may leave on held-out runs in any case.
     LITTLE_LEFT = 0.1;
@@ -49,8 +49,8 @@ policy! {
     /// Share of the motor's force that a curve at the drive may take: beyond it the curve takes the command away, and bodies
     /// without mass explain the rest. An estimate: a drive that loses half of its force is seen without any model.
     MOST_LOST = 0.5;
-    /// Share of what a curve over the speed foresees that the direction of motion must foresee by itself for that curve to
-    /// be dry friction: in a sinusoidal motion it foresees 0.914 of a force that grows with the root of the speed.
+    /// Share of what a curve over the speed predicts that the direction of motion must predict by itself for that curve to
+    /// be dry friction: in a sinusoidal motion it predicts 0.914 of a force that grows with the root of the speed.
     DRY_MOSTLY = 0.95;
     /// Force of an ordinate of a curve when it is screened, as a share of what the port lacks or its noise leaves: small enough
     /// that a rotor does not stick for it.
@@ -78,7 +78,7 @@ policy! {
     MOST_MEMORY = 1000.0;
     /// Share of what is gained on some left-out stretches that may be lost on others.
     MOST_OPPOSED = 0.4;
-    /// Cost over the chosen set's above which a set is no tie, whatever is foreseen.
+    /// Cost over the chosen set's above which a set is no tie, whatever is predicted.
     TIED_COST = 1.1;
     /// Effects in a set: a rig with more unknowns needs other experiments first.
     MOST_EFFECTS = 4.0;

@@ -305,7 +305,7 @@ impl<'a> Models<'a> {
         }
     }
 
-    /// The candidate with its counts looked for again nearby.
+    /// The candidate with its counts searched again nearby.
     fn tuned(&self, candidate: Candidate) -> Candidate {
         if self.dear {
             return candidate;
@@ -419,7 +419,7 @@ fn mixed_by_place(
     values
 }
 
-/// Values with other starts of what a last fit frees: with it the search held the valley that goes with its nominal value,
+/// Values with other starts of what a last fit frees: with it the search stayed in the minimum of its nominal value,
 /// and another one may be lower.
 fn freed(model: &dyn Model, values: &[f64]) -> Vec<Vec<f64>> {
     let parameters = model.parameters().iter().enumerate().filter(|(_, p)| p.freed_at_last);

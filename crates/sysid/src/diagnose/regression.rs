@@ -144,7 +144,7 @@ pub(super) fn regressed(
     (a, x)
 }
 
-/// Sum of squares that is left of blocks, each foreseen by the others; `known` are the weights of what is known of the first
+/// Sum of squares that is left of blocks, each predicted by the others; `known` are the weights of what is known of the first
 /// columns.
 pub(super) fn left_out(
     columns: &[Vec<f64>],

@@ -172,7 +172,7 @@ impl Search<'_> {
             let own: Vec<_> = leader.effects.iter().filter(|e| !near.effects.contains(e)).collect();
             for other in self.admitted.iter().filter(|id| !leader.effects.contains(id)) {
                 if own.iter().all(|e| port(e) != port(other)) {
-                    // Alone an effect's values are bent by what is missing beside it: it starts from its guess.
+                    // Alone an effect's values are biased by what is missing beside it: it starts from its guess.
                     sets.push((self.set_with(leader, std::slice::from_ref(other)), near.known()));
                 }
             }

@@ -43,7 +43,7 @@ impl Validation {
 
 /// Leaves out one stretch of one run at a time, or one run, and predicts it with the parameters that the rest would have
 /// given: one Gauss-Newton step from the fit to everything, which is exact where the residual is linear in
-/// the parameters. Where it foresees far worse than the fit itself, the step is taken in simulations, as far as it
+/// the parameters. Where it predicts far worse than the fit itself, the step is taken in simulations, as far as it
 /// lowers the cost of the rest.
 ///
 /// An effect that only what is left out has felt (a limit that one run alone reached) cannot be known without it: there

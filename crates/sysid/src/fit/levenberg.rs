@@ -52,7 +52,7 @@ struct Thrift {
     columns: Option<Arc<KnownColumns>>,
     /// The differences that say that nothing helps any more.
     finest: Difference,
-    /// Whether the last columns still foresee what a step does.
+    /// Whether the last columns still predict what a step does.
     trusted: bool,
     /// What the last step had promised to gain.
     promised: f64,
@@ -224,7 +224,7 @@ impl Search {
         if self.evaluation.rms > WRONG {
             enough = enough.max(RELATIVE * self.cost);
         }
-        // A race is not won by what no longer foresees a step.
+        // A race is not won by what no longer predicts a step.
         let races = self.thrift.as_ref().is_some_and(|t| t.finest == Difference::Secant);
         if races {
             enough = enough.max(RACED * self.cost);

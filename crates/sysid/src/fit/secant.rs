@@ -51,7 +51,7 @@ impl KnownColumns {
 }
 
 /// Brings bare columns up to date after a step from `before` to `after`: the least change of the columns, each in
-/// units of its usual difference, under which they would have foreseen what the step did.
+/// units of its usual difference, under which they would have predicted what the step did.
 pub(super) fn update(
     columns: &mut [JacobianBlock],
     data: &Data,
