@@ -1,0 +1,121 @@
+"""Diagnoses every campaign of a folder that `make.py --set validation` made, and writes how often the verdict is right.
+
+    venv/bin/python judge.py DIR --sealegs ../../../target/release/sealegs -o ../../../tests/leg-validation.md
+
+A verdict is `right` if it names exactly what is hidden, `tied` if it says that the data cannot tell that from what it names,
+`part` if it names something of it and nothing else, and `wrong` otherwise. The answers are read after the last verdict.
+"""
+
+import argparse
+import datetime
+import hashlib
+import json
+import pathlib
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+# What a verdict follows from, as in tests/src/matrix/stamp.rs.
+SOURCES = [
+    "crates/sysid/src/diagnose",
+    "crates/sysid/src/fit",
+    "crates/actuator/src/plant/observer.rs",
+    "crates/actuator/src/bench/observed.rs",
+]
+
+
+def stamp():
+    """The search's stamp, as the recovery matrix has it."""
+    files = []
+    for source in SOURCES:
+        path = ROOT / source
+        files += [p for p in path.rglob("*") if p.is_file()] if path.is_dir() else [path]
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def diagnosed(sealegs, campaign):
+    """The JSON of a diagnosis and its seconds."""
+    began = time.time()
+    done = subprocess.run(
+        [sealegs, "diagnose", str(campaign), "--json", "-"], capture_output=True, text=True, check=False
+    )
+    if done.returncode != 0:
+        sys.exit(f"{campaign}: {done.stderr.strip()}")
+    return json.loads(done.stdout), time.time() - began
+
+
+def score(verdict, hidden):
+    said = set(verdict["effects"])
+    if said == hidden:
+        return "right"
+    if hidden in [set(tie) for tie in verdict["indistinguishable"] + verdict["same_by_another_name"]]:
+        return "tied"
+    return "part" if said and said < hidden else "wrong"
+
+
+def values(verdict, hidden):
+    """For each hidden number of the same name: its name, truth, value and standard error (None where it is withheld)."""
+    fitted = {p["name"]: p for p in (verdict["after"]["parameters"] or [])}
+    found = []
+    for effect, numbers in hidden.items():
+        for name, truth in numbers.items():
+            p = fitted.get(f"{effect}.{name}")
+            if p and isinstance(truth, (int, float)):
+                found.append((f"{effect}.{name}", truth, p["value"], p.get("std")))
+    return found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--sealegs", default="sealegs")
+    parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    campaigns = sorted(p for p in arguments.folder.iterdir() if (p / "campaign.toml").is_file())
+    verdicts = {}
+    for path in campaigns:
+        verdicts[path.name] = diagnosed(arguments.sealegs, path)
+        print(f"{path.name}: {verdicts[path.name][0]['verdict']}, {verdicts[path.name][1]:.0f} s", flush=True)
+    answers = json.loads((arguments.folder / "answers.json").read_text())
+
+    rows, scores, numbers, seconds = [], [], [], []
+    for name, (verdict, took) in verdicts.items():
+        hidden = answers[name]["effects"]
+        scores.append(score(verdict, set(hidden)))
+        seconds.append(took)
+        numbers += values(verdict, hidden)
+        off = [f"{value:.4g} ({truth:.4g})" for _, truth, value, _ in values(verdict, hidden)]
+        before, after = verdict["base"]["holdout_error"], verdict["after"]["holdout_error"]
+        cells = [name, " + ".join(hidden) or "nothing", " + ".join(verdict["effects"]) or verdict["verdict"]]
+        cells += [scores[-1], ", ".join(off), f"{before:.2f}", f"{after:.2f}", f"{took:.0f}"]
+        rows.append("| " + " | ".join(cells) + " |")
+    good = sum(s in ("right", "tied") for s in scores)
+    near = sum(abs(value - truth) <= 0.1 * abs(truth) for _, truth, value, _ in numbers)
+    stated = [(truth, value, std) for _, truth, value, std in numbers if std]
+    held = sum(abs(value - truth) <= 1.96 * std for truth, value, std in stated)
+    page = [
+        f"# Legs, {datetime.date.today()}",
+        "",
+        f"Search {stamp()}. Made by `assets/campaigns/make/judge.py`: {len(rows)} leg campaigns of an independent simulator",
+        "(`make.py --set validation`) through the whole diagnosis. Errors are those of held-out runs in noise units; in brackets",
+        "the truth. These campaigns were looked at while the search was built: they show what it can do, not how often it is",
+        "right on what nobody has seen.",
+        "",
+        f"Right or tied: {good} of {len(rows)}. Values within 10 %: {near} of {len(numbers)}. 95 % intervals that hold the truth:",
+        f"{held} of {len(stated)}. A diagnosis took {sum(seconds) / len(seconds):.0f} s on average, {max(seconds):.0f} s at most.",
+        "",
+        "| campaign | hidden | named | verdict | values (truth) | error before | error after | s |",
+        "|---|---|---|---|---|---|---|---|",
+        *rows,
+        "",
+    ]
+    arguments.output.write_text("\n".join(page))
+
+
+if __name__ == "__main__":
+    main()
