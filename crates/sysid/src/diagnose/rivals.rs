@@ -63,17 +63,22 @@ impl Search<'_> {
         }
     }
 
-    /// Where simulations are dear only the leader's fit is finished: fits the sets of fewer parameters on that leave a trace
-    /// only. A spring at another setting is as stiff as one with a clamp beside it that never slips.
+    /// Where simulations are dear only the leader's fit is finished: fits the sets of fewest parameters on that leave a trace
+    /// only and are clearly worse as they are. A spring at another setting is as stiff as one with a clamp beside it that
+    /// never slips.
     fn finish_simpler(&mut self, best: usize) {
-        let chosen = &self.tried[best];
-        let is_simpler = |t: &Candidate| {
-            (1..=chosen.effects.len()).contains(&t.effects.len())
-                && t.effect_parameters() < chosen.effect_parameters()
+        let (chosen, floor) = (&self.tried[best], self.models.data.floor);
+        let parameters = |i: usize| self.tried[i].effect_parameters();
+        let is_simpler = |i: &usize| {
+            (1..=chosen.effects.len()).contains(&self.tried[*i].effects.len())
+                && parameters(*i) < parameters(best)
+                && self.is_explained(*i)
         };
-        let simpler: Vec<usize> =
-            (1..self.tried.len()).filter(|&i| is_simpler(&self.tried[i]) && self.is_explained(i)).collect();
-        for i in simpler {
+        let simpler: Vec<usize> = (1..self.tried.len()).filter(is_simpler).collect();
+        let fewest = simpler.iter().map(|&i| parameters(i)).min();
+        let simplest = simpler.into_iter().filter(|&i| Some(parameters(i)) == fewest);
+        let worse: Vec<usize> = simplest.filter(|&i| clearly_better(&self.tried[i], chosen, floor)).collect();
+        for i in worse {
             let mut finished = [self.tried[i].clone()];
             self.models.finish_best(&mut finished);
             let [finished] = finished;
