@@ -118,6 +118,29 @@ fn reference_friction_is_found_the_same_on_any_number_of_threads_and_added_for_g
 }
 
 #[test]
+fn reference_the_verdicts_model_predicts_what_the_verdict_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = campaign(folder.path(), 6.0);
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (campaign, better) = (campaign.to_str().unwrap(), path("better.toml"));
+    let done = sealegs(
+        2,
+        &["diagnose", campaign, "--better", &better, "--json", &path("verdict.json"), "--progress"],
+    );
+    let said = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(0), "{said}");
+    // Each line begins with the seconds so far.
+    assert!(said.contains(" s  scoring the held-out runs"), "{said}");
+    let done =
+        sealegs(2, &["compare", campaign, "--model", &better, "--as-is", "--json", &path("again.json")]);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let (verdict, again) = (json(Path::new(&path("verdict.json"))), json(Path::new(&path("again.json"))));
+    let said = verdict["after"]["holdout_error"].as_f64().unwrap();
+    let loaded = again["base"]["holdout_error"].as_f64().unwrap();
+    assert!((said / loaded - 1.0).abs() < 0.01, "{said} in the verdict, {loaded} when loaded");
+}
+
+#[test]
 fn reference_nothing_is_missing_where_nothing_is_hidden() {
     let folder = tempfile::tempdir().unwrap();
     let campaign = campaign(folder.path(), 0.0);

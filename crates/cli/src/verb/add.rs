@@ -5,9 +5,9 @@ use crate::kind;
 use crate::output::Destination;
 use crate::progress;
 use clap::Args;
-use sealegs::Options;
 use sealegs::diagnosis::named;
 use sealegs::sysid::units;
+use sealegs::{Addition, Campaign, Options};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -53,10 +53,7 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     let asked: Vec<String> = arguments.effect.iter().cloned().chain(laws).collect();
     let (effects, _) = named(&asked)?;
     let campaign = kind::campaign(&arguments.campaign)?;
-    let several = units::of_campaign(&campaign);
-    let outputs = outputs(&arguments.output, &several)?;
-    let destinations =
-        outputs.iter().map(|path| Destination::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
+    let better = Better::new(&arguments.output, &campaign)?;
     let json = Destination::optional(arguments.json.as_ref())?;
     let report = Destination::optional(arguments.report.as_ref())?;
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
@@ -74,24 +71,13 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     bar.finish();
     let addition = addition?;
 
-    let folder = arguments.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let better = if several.is_empty() {
-        vec![addition.model_file(folder)?]
-    } else {
-        several
-            .iter()
-            .map(|unit| addition.model_file_of(unit, folder))
-            .collect::<sealegs::Result<Vec<_>>>()?
-    };
     if let Some(destination) = report {
         destination.write(addition.to_html()?.as_bytes())?;
     }
     if let Some(destination) = rrd {
         destination.record(&addition.recording()?)?;
     }
-    for (destination, better) in destinations.into_iter().zip(&better) {
-        destination.write(better.as_bytes())?;
-    }
+    let written = better.write(&addition)?;
     if let Some(destination) = json {
         destination.write((addition.to_json()? + "\n").as_bytes())?;
     }
@@ -101,13 +87,56 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
         let (simulations, simulated_s) = addition.added().work;
         write!(
             std::io::stdout().lock(),
-            "{}\nwritten to {}\n{simulations} simulations, {simulated_s:.0} s of experiment in {:.1} s\n",
+            "{}\nwritten to {written}\n{simulations} simulations, {simulated_s:.0} s of experiment in {:.1} s\n",
             addition.to_text(),
-            outputs.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", "),
             started.elapsed().as_secs_f64()
         )?;
     }
     Ok(0)
+}
+
+/// Where the better model goes: a file, or one for each unit of the campaign.
+pub(super) struct Better {
+    files: Vec<(PathBuf, Destination)>,
+    units: Vec<String>,
+}
+
+impl Better {
+    /// The files for a path that was asked for.
+    ///
+    /// # Errors
+    ///
+    /// Bad input where they cannot be written.
+    pub(super) fn new(asked: &Path, campaign: &Campaign) -> anyhow::Result<Self> {
+        let units = units::of_campaign(campaign);
+        let file = |path: PathBuf| Ok((path.clone(), Destination::new(&path)?));
+        let files = outputs(asked, &units)?.into_iter().map(file).collect::<anyhow::Result<_>>()?;
+        Ok(Self { files, units })
+    }
+
+    /// Writes the model, or each unit's; the files' names for a sentence.
+    ///
+    /// # Errors
+    ///
+    /// If the model would not load again, or a file cannot be written.
+    pub(super) fn write(self, addition: &Addition) -> anyhow::Result<String> {
+        let folder = |path: &Path| match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        let text = |i: usize, path: &Path| match self.units.get(i) {
+            Some(unit) => addition.model_file_of(unit, &folder(path)),
+            None => addition.model_file(&folder(path)),
+        };
+        let texts = self.files.iter().enumerate().map(|(i, (path, _))| text(i, path));
+        let texts = texts.collect::<sealegs::Result<Vec<_>>>()?;
+        let mut names = Vec::new();
+        for ((path, destination), text) in self.files.into_iter().zip(texts) {
+            destination.write(text.as_bytes())?;
+            names.push(path.display().to_string());
+        }
+        Ok(names.join(", "))
+    }
 }
 
 /// The files that are written: the one that was asked for, or one for each unit beside it.

@@ -1,5 +1,6 @@
 //! `sealegs diagnose`: which physical effect is missing.
 
+use super::add::Better;
 use crate::failure::bad_input;
 use crate::jobs::{self, JobArguments};
 use crate::kind;
@@ -43,6 +44,10 @@ pub struct Diagnose {
     /// Where no known effect explains everything, write the curve that does as an effect's file for `add`
     #[arg(long, value_name = "LAW.toml", conflicts_with = "jobs")]
     law: Option<PathBuf>,
+    /// Write the model with what is named, at the verdict's values: as `add` writes it, without another fit; of a campaign of
+    /// several units BETTER-UNIT.toml for each
+    #[arg(long, value_name = "BETTER.toml", conflicts_with = "jobs")]
+    better: Option<PathBuf>,
     #[command(flatten)]
     jobs: JobArguments,
 }
@@ -69,6 +74,7 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
     let plan_file = Destination::optional(arguments.plan.as_ref())?;
     let law_file = Destination::optional(arguments.law.as_ref())?;
+    let better = arguments.better.as_ref().map(|path| Better::new(path, campaign)).transpose()?;
 
     let diagnosis = diagnose(arguments, campaign)?;
     if let Some(destination) = report {
@@ -92,8 +98,20 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
         destination.write((diagnosis.to_json()? + "\n").as_bytes())?;
     }
     let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
-    if ![&arguments.json, &arguments.plan, &arguments.law, &arguments.report].into_iter().any(to_stdout) {
+    let taken = [&arguments.json, &arguments.plan, &arguments.law, &arguments.report, &arguments.better];
+    let says = !taken.into_iter().any(to_stdout);
+    if says {
         write!(std::io::stdout().lock(), "{}", diagnosis.to_text())?;
+    }
+    if let (Some(better), Some(addition)) = (better, diagnosis.into_better()) {
+        let written = better.write(&addition)?;
+        if says {
+            writeln!(
+                std::io::stdout().lock(),
+                "\nthe model with {} is written to {written}",
+                addition.added().effects.join(" + ")
+            )?;
+        }
     }
     Ok(0)
 }
@@ -114,7 +132,13 @@ fn diagnose(arguments: &Diagnose, campaign: &Campaign) -> anyhow::Result<sealegs
 
 /// Diagnoses several campaigns, one after the other.
 fn several(arguments: &Diagnose, campaigns: &[Campaign]) -> anyhow::Result<u8> {
-    let of_one = [("report", &arguments.report), ("rrd", &arguments.rrd), ("plan", &arguments.plan)];
+    let of_one = [
+        ("report", &arguments.report),
+        ("rrd", &arguments.rrd),
+        ("plan", &arguments.plan),
+        ("law", &arguments.law),
+        ("better", &arguments.better),
+    ];
     if let Some((option, _)) = of_one.iter().find(|(_, path)| path.is_some()) {
         return Err(bad_input(format!("--{option}: is one campaign's, and {} are given", campaigns.len())));
     }

@@ -13,7 +13,7 @@ use sealegs::leg::scenario::SweepSpec;
 use sealegs::recorder::chart::{Axis, Bar, BarChart, Hue};
 use sealegs::recorder::recording::Output;
 use sealegs::recorder::report::{Report, Tone};
-use sealegs::{Campaign, Options, Scenario, leg_scene};
+use sealegs::{Addition, Campaign, Options, Scenario, leg_scene};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -68,18 +68,15 @@ pub fn run(arguments: &Tour) -> anyhow::Result<u8> {
     step("2. The same drops, recorded elsewhere: where does the model fail?", &of_campaign("compare"))?;
     compare(folder, &campaign, of_campaign("compare"))?;
     step("3. Which physical effect is missing, and at which joint?", &of_campaign("diagnose"))?;
-    let outcome = diagnose(folder, &campaign, of_campaign("diagnose"))?;
+    let better = folder.join("better.toml");
+    let command = format!("{} --better {}", of_campaign("diagnose"), better.display());
+    let (outcome, addition) = diagnose(folder, &campaign, command.clone())?;
     let mut impact = None;
-    if let Some(first) = outcome.effects.first() {
-        let better = folder.join("better.toml");
-        let command = format!(
-            "sealegs add {} --to {MODEL} --campaign {} -o {}",
-            outcome.effects.join("+"),
-            data.display(),
-            better.display()
-        );
+    if let (Some(first), Some(addition)) = (outcome.effects.first(), addition) {
         step("4. It is added, and the error falls.", &command)?;
-        add(folder, &campaign, &outcome.effects, command)?;
+        Destination::new(&better)?.write(addition.model_file(folder)?.as_bytes())?;
+        Destination::new(&folder.join("4-add.json"))?.write((addition.to_json()? + "\n").as_bytes())?;
+        print(&addition.to_text())?;
         let heights = HEIGHTS_M.map(|h| h.to_string()).join(",");
         let command = format!("sealegs impact {} --heights {heights} --springs compliant", better.display());
         step("5. How the missing effect changes the predicted impact forces.", &command)?;
@@ -119,8 +116,12 @@ fn compare(folder: &Path, campaign: &Campaign, command: String) -> anyhow::Resul
     print(&comparison.to_text()?)
 }
 
-/// Step 3: what is missing.
-fn diagnose(folder: &Path, campaign: &Campaign, command: String) -> anyhow::Result<Outcome> {
+/// Step 3: what is missing, and the model with it.
+fn diagnose(
+    folder: &Path,
+    campaign: &Campaign,
+    command: String,
+) -> anyhow::Result<(Outcome, Option<Addition>)> {
     let bar = progress::spinner();
     let options = Options::new().command(command).on_progress(progress::on(&bar));
     let diagnosis = sealegs::diagnose(campaign, options);
@@ -130,19 +131,7 @@ fn diagnose(folder: &Path, campaign: &Campaign, command: String) -> anyhow::Resu
     Destination::new(&folder.join("3-diagnose.rrd"))?.record(&diagnosis.recording()?)?;
     Destination::new(&folder.join("3-diagnose.json"))?.write((diagnosis.to_json()? + "\n").as_bytes())?;
     print(&diagnosis.to_text())?;
-    Ok(diagnosis.outcome().clone())
-}
-
-/// Step 4: the better model.
-fn add(folder: &Path, campaign: &Campaign, effects: &[String], command: String) -> anyhow::Result<()> {
-    let bar = progress::spinner();
-    let options = Options::new().model(MODEL).command(command).on_progress(progress::on(&bar));
-    let addition = sealegs::add(effects, campaign, options);
-    bar.finish();
-    let addition = addition?;
-    Destination::new(&folder.join("better.toml"))?.write(addition.model_file(folder)?.as_bytes())?;
-    Destination::new(&folder.join("4-add.json"))?.write((addition.to_json()? + "\n").as_bytes())?;
-    print(&addition.to_text())
+    Ok((diagnosis.outcome().clone(), diagnosis.into_better()))
 }
 
 /// Step 5: a model's drops.

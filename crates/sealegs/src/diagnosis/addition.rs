@@ -6,7 +6,7 @@ use super::units::Units;
 use crate::{Error, Result};
 use schemars::JsonSchema;
 use sealegs_model::{Excitation, Model, ModelError, Parameter};
-use sealegs_sysid::diagnose::{Candidate, MissingForce, Models, missing_force};
+use sealegs_sysid::diagnose::{Candidate, Diagnosis, MissingForce, Models, missing_force};
 use sealegs_sysid::fit::FittedParameter;
 use sealegs_sysid::nuisance::Sensor;
 use sealegs_sysid::{Campaign, Data, Evaluation, Role, units};
@@ -109,6 +109,22 @@ impl SideOfAdd {
 }
 
 impl Added {
+    /// The set that a verdict names, as it was fitted there; `None` where nothing is named.
+    #[must_use]
+    pub fn of_verdict(found: &Diagnosis) -> Option<Self> {
+        let (tried, verdict) = (&found.found.tried, &found.verdict);
+        (!verdict.effects.is_empty()).then(|| Self {
+            effects: verdict.effects.clone(),
+            before: tried[0].clone(),
+            after: tried[verdict.after.index].clone(),
+            seen: found.seen.clone(),
+            force: found.force.clone(),
+            before_holdout: Some(verdict.base_holdout.clone()),
+            after_holdout: Some(verdict.after_holdout.clone()),
+            work: (found.simulations, found.simulated_s),
+        })
+    }
+
     /// The result in a few numbers.
     #[must_use]
     pub fn summary(&self, campaign: &Campaign, provenance: Provenance) -> Summary {

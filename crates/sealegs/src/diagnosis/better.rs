@@ -65,18 +65,24 @@ pub fn add<E: AsRef<str>>(
     let mut files: Vec<&Path> = options.own_effects.iter().map(PathBuf::as_path).collect();
     files.extend(options.model.file());
     let provenance = Provenance::of_campaign(&campaign, model.name(), &files)?;
-    Ok(Addition {
-        label: options.model.label(&campaign),
-        summary: added.summary(&campaign, provenance.clone()),
-        outcome: outcome(&campaign, &added, provenance),
-        command: options.command_of("sealegs::add"),
-        campaign,
-        model,
-        added,
-    })
+    let label = options.model.label(&campaign);
+    Ok(Addition::new(campaign, model, added, (label, options.command_of("sealegs::add")), provenance))
 }
 
 impl Addition {
+    /// What was added to the model of a campaign; of the texts the first says which model that was, the second by what command.
+    pub(super) fn new(
+        campaign: Campaign,
+        model: Box<dyn CampaignModel>,
+        added: Added,
+        (label, command): (String, String),
+        provenance: Provenance,
+    ) -> Self {
+        let summary = added.summary(&campaign, provenance.clone());
+        let outcome = outcome(&campaign, &added, provenance);
+        Self { campaign, model, label, added, summary, outcome, command }
+    }
+
     /// The result in numbers; what [`Addition::to_json`] writes.
     #[must_use]
     pub fn summary(&self) -> &Summary {

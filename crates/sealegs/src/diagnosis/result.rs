@@ -1,5 +1,7 @@
 //! A diagnosis that owns what it is about: a typed verdict, from which JSON, text, report, recording and plan are made.
 
+use super::addition::Added;
+use super::better::Addition;
 use super::outcome::Outcome;
 use super::progress::message;
 use super::provenance::Provenance;
@@ -22,6 +24,7 @@ pub struct Diagnosis {
     found: diagnose::Diagnosis,
     experiment: Option<Experiment>,
     outcome: Outcome,
+    label: String,
     command: String,
     took: Duration,
 }
@@ -70,8 +73,8 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
         None => "There is nothing to tell apart, and so no experiment to propose.".to_owned(),
     };
     let outcome = Outcome::new(&campaign, &found, next, wrong, provenance);
-    let command = options.command_of("sealegs::diagnose");
-    Ok(Diagnosis { campaign, model, found, experiment, outcome, command, took: started.elapsed() })
+    let (label, command) = (options.model.label(&campaign), options.command_of("sealegs::diagnose"));
+    Ok(Diagnosis { campaign, model, found, experiment, outcome, label, command, took: started.elapsed() })
 }
 
 impl Diagnosis {
@@ -119,6 +122,15 @@ impl Diagnosis {
     /// If the scenario cannot be written.
     pub fn plan(&self, folder: &Path) -> Result<Option<String>> {
         self.experiment.as_ref().map_or(Ok(None), |experiment| self.model.plan(experiment, folder))
+    }
+
+    /// The model with the effects that are named, at the values of the verdict: what [`add`](crate::add) gives, without another
+    /// fit. None where nothing is named.
+    #[must_use]
+    pub fn into_better(self) -> Option<Addition> {
+        let added = Added::of_verdict(&self.found)?;
+        let said = (self.label, self.command);
+        Some(Addition::new(self.campaign, self.model, added, said, self.outcome.provenance))
     }
 
     /// The file of the law beyond the catalogue, an effect that `add` takes. None where there is none that helps.
