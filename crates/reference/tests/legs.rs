@@ -111,7 +111,7 @@ fn reference_other_effects_in_a_leg_are_what_the_catalogue_says() {
     explained(Scene::Swing, "hip_front/transport-delay", &[("delay_s", 3e-3)]);
     explained(Scene::Drop, "knee/hardening-spring", &[("cubic_n_m3", 1e11)]);
     explained(Scene::Drop, "hip_pitch/spring-setting", &[("stiffness_ratio", 1.76)]);
-    let mass = [("mass_kg", 0.5), ("shift_x_m", 0.0), ("shift_z_m", -0.02)];
+    let mass = [("mass_kg", 0.5), ("shift_x_m", 0.0), ("shift_z_m", -0.02), ("inertia_ratio", 0.8)];
     explained(Scene::Swing, "shank/link-mass", &mass);
     let contact = [("stiffness_ratio", 0.5), ("damping_change_s_m", 0.2)];
     explained(Scene::Drop, "foot/contact-compliance", &contact);

@@ -190,7 +190,9 @@ impl LegReference {
             "link-mass" => {
                 let link = self.robot.link_index(place).unwrap_or_else(|| panic!("no link '{place}'"));
                 let Some(own) = &mut self.robot.links[link].inertial else { panic!("'{place}' has no mass") };
-                own.inertia *= (own.mass_kg + values[0]) / own.mass_kg;
+                // A mass that is spread as the link's own, unless the inertia's ratio is said.
+                let spread = values.get(3).copied().unwrap_or(1.0);
+                own.inertia *= spread * (own.mass_kg + values[0]) / own.mass_kg;
                 own.mass_kg += values[0];
                 own.com += Vector3::new(values[1], 0.0, values[2]);
             }
