@@ -8,7 +8,6 @@ A verdict is `right` if it names exactly what is hidden, `tied` if it says that 
 
 import argparse
 import datetime
-import hashlib
 import json
 import pathlib
 import subprocess
@@ -17,25 +16,11 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
-# What a verdict follows from, as in tests/src/matrix/stamp.rs.
-SOURCES = [
-    "crates/sysid/src/diagnose",
-    "crates/sysid/src/fit",
-    "crates/actuator/src/plant/observer.rs",
-    "crates/actuator/src/bench/observed.rs",
-]
-
 
 def stamp():
-    """The search's stamp, as the recovery matrix has it."""
-    files = []
-    for source in SOURCES:
-        path = ROOT / source
-        files += [p for p in path.rglob("*") if p.is_file()] if path.is_dir() else [path]
-    digest = hashlib.sha256()
-    for path in sorted(files):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:12]
+    """The search's stamp: that of the recovery matrix, which a test holds to be the present search's."""
+    with open(ROOT / "tests/recovery-matrix.jsonl", encoding="utf-8") as lines:
+        return json.loads(lines.readline())["search"]
 
 
 def diagnosed(sealegs, campaign):
@@ -58,15 +43,20 @@ def score(verdict, hidden):
     return "part" if said and said < hidden else "wrong"
 
 
+def model_after(verdict):
+    """The named set, or the base model where nothing is named."""
+    return verdict["after"] or verdict["base"]
+
+
 def values(verdict, hidden):
-    """For each hidden number of the same name: its name, truth, value and standard error (None where it is withheld)."""
-    fitted = {p["name"]: p for p in (verdict["after"]["parameters"] or [])}
+    """Truth, value and standard error (None where it is withheld) of each hidden number that the verdict has by its name."""
+    fitted = {p["name"]: p for p in model_after(verdict)["parameters"]}
     found = []
     for effect, numbers in hidden.items():
         for name, truth in numbers.items():
             p = fitted.get(f"{effect}.{name}")
             if p and isinstance(truth, (int, float)):
-                found.append((f"{effect}.{name}", truth, p["value"], p.get("std")))
+                found.append((truth, p["value"], p.get("std")))
     return found
 
 
@@ -88,15 +78,16 @@ def main():
         hidden = answers[name]["effects"]
         scores.append(score(verdict, set(hidden)))
         seconds.append(took)
-        numbers += values(verdict, hidden)
-        off = [f"{value:.4g} ({truth:.4g})" for _, truth, value, _ in values(verdict, hidden)]
-        before, after = verdict["base"]["holdout_error"], verdict["after"]["holdout_error"]
+        own = values(verdict, hidden)
+        numbers += own
+        off = [f"{value:.4g} ({truth:.4g})" for truth, value, _ in own]
+        before, after = verdict["base"]["holdout_error"], model_after(verdict)["holdout_error"]
         cells = [name, " + ".join(hidden) or "nothing", " + ".join(verdict["effects"]) or verdict["verdict"]]
         cells += [scores[-1], ", ".join(off), f"{before:.2f}", f"{after:.2f}", f"{took:.0f}"]
         rows.append("| " + " | ".join(cells) + " |")
     good = sum(s in ("right", "tied") for s in scores)
-    near = sum(abs(value - truth) <= 0.1 * abs(truth) for _, truth, value, _ in numbers)
-    stated = [(truth, value, std) for _, truth, value, std in numbers if std]
+    near = sum(abs(value - truth) <= 0.1 * abs(truth) for truth, value, _ in numbers)
+    stated = [(truth, value, std) for truth, value, std in numbers if std]
     held = sum(abs(value - truth) <= 1.96 * std for truth, value, std in stated)
     page = [
         f"# Legs, {datetime.date.today()}",

@@ -157,17 +157,15 @@ impl ScrewEnd {
     /// Moves the end to where it is in balance with a spring of a stiffness, in which the rotor has the acceleration `y''`.
     /// Along links and a rotor whose motion was measured its own vibration is left out: it has no damping, and the encoders'
     /// counts would make it ring.
-    fn settle(&mut self, beside: &Beside, (stiffness, rotor_acceleration): (f64, f64), step_s: f64) {
+    fn settle(&mut self, of: &Equation, (stiffness, rotor_acceleration): (f64, f64), step_s: f64) {
         let pull = self.compliance.stiffness * self.compressed_m;
-        let carrier = beside.carrier.free + beside.carrier.mobility * pull;
-        let push =
-            beside.spring_n - pull - self.moving(beside) * carrier + beside.sprung_mass * rotor_acceleration;
+        let push = of.force + of.beside.sprung_mass * rotor_acceleration;
         let moved = push / (self.compliance.stiffness + stiffness);
         let after = moved / step_s;
         self.step = ScrewEndStep {
             force_n: pull + self.compliance.stiffness * moved,
             at_rest_n: pull + push,
-            carrier,
+            carrier: of.carrier,
             speed: 0.5 * (self.speed_m_s + after),
             ..self.step
         };
@@ -209,14 +207,13 @@ impl Actuator {
             // Carried by the mount and, in the armature, by the joint: links that weigh more than the sprung mass.
             Path::Crank { .. } => Carrier { free: felt + self.length_acceleration, mobility: 0.0 },
         };
-        let beside = Beside { spring_n, sprung_mass, carrier };
+        let equation = end.equation(Beside { spring_n, sprung_mass, carrier }, step_s);
         let rotor = if links.known_accelerations().is_some() {
-            let force = push - spring_n + sprung_mass * carrier.free;
+            let force = push - spring_n + sprung_mass * equation.carrier;
             let rotor = self.advance_rotor_of(inertia + sprung_mass, force, step_s);
-            end.settle(&beside, (self.coefficients.stiffness, rotor.acceleration), step_s);
+            end.settle(&equation, (self.coefficients.stiffness, rotor.acceleration), step_s);
             rotor
         } else {
-            let equation = end.equation(beside, step_s);
             let (mass, force) = equation.on_rotor();
             let rotor = self.advance_rotor_of(inertia + mass, push + force, step_s);
             end.advance(&equation, rotor.acceleration, step_s);
@@ -259,7 +256,8 @@ mod tests {
         for _ in 0..2 {
             let spring_n = stiffness * (length - end.compressed_m);
             let beside = Beside { spring_n, sprung_mass, carrier: Carrier { free, mobility: 0.0 } };
-            end.settle(&beside, (stiffness, 0.0), 1e-4);
+            let equation = end.equation(beside, 1e-4);
+            end.settle(&equation, (stiffness, 0.0), 1e-4);
             // k (l - s) = k_j s + (m_p + m_u) a
             let balance =
                 (stiffness * length - (mass + sprung_mass) * free) / (stiffness + compliance.stiffness);
