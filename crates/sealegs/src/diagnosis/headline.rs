@@ -72,7 +72,11 @@ fn values(o: &Outcome) -> Vec<(String, String, String)> {
                 _ if std.is_some() => interval,
                 _ => "no interval",
             };
-            (capital(&name), with_interval(p.value, std, &p.unit), remark.to_owned())
+            let (value, remark) = match under_conventions(o, p) {
+                Some(values) => (values, "by the log's convention"),
+                None => (with_interval(p.value, std, &p.unit), remark),
+            };
+            (capital(&name), value, remark.to_owned())
         })
         .collect()
 }
@@ -83,9 +87,8 @@ pub(super) fn set_with_values(o: &Outcome) -> String {
     let parameters = o.after.as_ref().map_or(&[][..], |after| &after.parameters);
     let with_values = |effect: &String| {
         let own = parameters.iter().filter(|p| !p.fixed && effect_of(&p.name) == effect);
-        let values: Vec<String> = own
-            .map(|p| format!("{} {}", symbol(&p.name), with_interval(p.value, stated(p), &p.unit)))
-            .collect();
+        let value = |p| under_conventions(o, p).unwrap_or_else(|| with_interval(p.value, stated(p), &p.unit));
+        let values: Vec<String> = own.map(|p| format!("{} {}", symbol(&p.name), value(p))).collect();
         if values.is_empty() { effect.clone() } else { format!("{effect} ({})", values.join(", ")) }
     };
     o.effects.iter().map(with_values).collect::<Vec<_>>().join(" + ")
@@ -94,6 +97,14 @@ pub(super) fn set_with_values(o: &Outcome) -> String {
 /// The effect that a parameter belongs to; empty for the base model's.
 fn effect_of(parameter: &str) -> &str {
     parameter.rsplit_once('.').map_or("", |(effect, _)| effect)
+}
+
+/// A value under each convention of the log that these runs leave open: `2.39 ms or 1.39 ms`; none where it is the same.
+fn under_conventions(o: &Outcome, p: &ParameterValue) -> Option<String> {
+    let others = o.equally_good_choices.iter().filter_map(|other| other.parameters.get(&p.name));
+    let all: Vec<String> =
+        [&p.value].into_iter().chain(others).map(|value| with_interval(*value, None, &p.unit)).collect();
+    (all.len() > 1).then(|| all.join(" or "))
 }
 
 /// A standard error that makes an interval: at a bound, or where the data say nothing, there is none.

@@ -7,11 +7,16 @@ use super::outcome::{Outcome, ParameterValue};
 /// a tie.
 const AS_GOOD: f64 = 1.1;
 
-/// Widens the intervals of a verdict that something speaks against to cover the values of other sets that hold the named
-/// effects and predict as well, and withholds those of the effects where a parameter of the base model ended where it should
+/// Widens intervals to cover the values under conventions of the log that these runs leave open, and those of a verdict that
+/// something speaks against to cover the values of other sets that hold the named effects and predict as well; withholds those of the effects where a parameter of the base model ended where it should
 /// not: what drove it there has driven them.
 pub(super) fn make_honest(o: &mut Outcome) {
     let stays = o.stays();
+    if let Some(after) = o.after.as_mut() {
+        for (name, value) in o.equally_good_choices.iter().flat_map(|other| &other.parameters) {
+            widen(&mut after.parameters, name, *value);
+        }
+    }
     let Some(after) = o.after.as_mut().filter(|_| o.confidence.intervals_conditional) else { return };
     let holds = |set: &[String]| o.effects.iter().all(|effect| set.contains(effect)) && set != o.effects;
     let as_good = o
@@ -20,10 +25,7 @@ pub(super) fn make_honest(o: &mut Outcome) {
         .filter(|r| r.holdout_error <= AS_GOOD * after.holdout_error)
         .filter(|r| holds(&r.effects) || o.indistinguishable.contains(&r.effects));
     for other in as_good.flat_map(|r| &r.parameters) {
-        let same = after.parameters.iter_mut().find(|p| p.name == other.name && !p.fixed);
-        if let Some((own, std)) = same.and_then(|own| own.std.map(|std| (own, std))) {
-            own.std = Some(std.max((other.value - own.value).abs()));
-        }
+        widen(&mut after.parameters, &other.name, other.value);
     }
     if !stays {
         return;
@@ -32,5 +34,13 @@ pub(super) fn make_honest(o: &mut Outcome) {
     if after.parameters.iter().any(|p| of_base(p) && !p.fixed && (p.at_bound || p.is_far())) {
         let own = after.parameters.iter_mut().filter(|p| !p.fixed && (!of_base(p) || p.is_far()));
         own.for_each(|p| p.std = None);
+    }
+}
+
+/// Makes the standard error of a parameter no less than its distance from another value; one that is withheld stays so.
+fn widen(parameters: &mut [ParameterValue], name: &str, other: f64) {
+    let same = parameters.iter_mut().find(|p| p.name == name && !p.fixed);
+    if let Some((own, std)) = same.and_then(|own| own.std.map(|std| (own, std))) {
+        own.std = Some(std.max((other - own.value).abs()));
     }
 }

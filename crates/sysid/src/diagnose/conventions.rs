@@ -2,8 +2,13 @@
 //! and what the fitted values are under the other one.
 
 use super::Candidate;
+use super::candidate::values_by_name;
 use super::refine::Models;
+use super::screen::Known;
 use crate::fit::{self, EQUAL_COST};
+
+/// The unit of a choice of where a row's command acts from.
+const SAMPLES: &str = "samples";
 
 /// Standard errors by which a value must differ under another choice to be said.
 const DIFFERS: f64 = 3.0;
@@ -37,20 +42,42 @@ impl Models<'_> {
         let mut all: Vec<Candidate> = Vec::new();
         for choice in fit::choices(self.exact) {
             let mut known = candidate.known();
-            let mut same = true;
+            let mut moved_samples = 0.0;
             for &i in &discrete {
-                let name = &self.exact.parameters()[i].name;
-                let Some(entry) = known.iter_mut().find(|(n, _)| n == name) else { continue };
-                same &= entry.1 == choice[i];
+                let p = &self.exact.parameters()[i];
+                let Some(entry) = known.iter_mut().find(|(n, _)| *n == p.name) else { continue };
+                if p.unit == SAMPLES {
+                    moved_samples += choice[i] - entry.1;
+                }
                 entry.1 = choice[i];
             }
-            if same {
+            if known == candidate.known() {
                 all.push(candidate.clone());
             } else {
-                all.extend(self.fitted_near(candidate, &candidate.effects, &known));
+                let start = self.with_delays_moved(candidate, known, moved_samples);
+                all.extend(self.fitted_near(candidate, &candidate.effects, &start));
             }
         }
         all
+    }
+
+    /// Values by name, or those with each delay later by so many samples where that leaves less: where a command acts from is
+    /// a delay of it, and no fit finds its way over a whole sample.
+    fn with_delays_moved(&self, candidate: &Candidate, known: Known, samples: f64) -> Known {
+        let parameters = candidate.model.parameters();
+        let period_s = self.data.runs.first().map_or(0.0, |run| run.record.mean_period_s());
+        let mut moved = known.clone();
+        for (name, value) in &mut moved {
+            let delay = parameters.iter().find(|p| p.name == *name && p.unit == "s" && !p.fixed);
+            if let Some(p) = delay {
+                *value = (*value + samples * period_s).clamp(p.min, p.max);
+            }
+        }
+        let cost = |known: &Known| {
+            let values = values_by_name(candidate.model.as_ref(), known);
+            self.data.evaluate(candidate.model.as_ref(), &values).map_or(f64::INFINITY, |e| e.cost)
+        };
+        if moved != known && cost(&moved) < cost(&known) { moved } else { known }
     }
 
     /// Which parameters of the base model are discrete choices.

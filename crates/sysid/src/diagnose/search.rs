@@ -96,8 +96,8 @@ impl Search<'_> {
     }
 
     /// Where the best set leaves something, every effect that was not fitted alone is, from where it promises most in open
-    /// loop and under the observer: a resonance that starts in the wrong place promises nothing. The index of the best one
-    /// if it is clearly better than the best set.
+    /// loop and under the observer, and from its guess: a resonance that starts in the wrong place promises nothing. The
+    /// index of the best one if it is clearly better than the best set.
     fn others_alone(&mut self, best: usize) -> usize {
         let (models, base) = (&self.models, self.tried[0].clone());
         if models.dear || models.is_settled(&self.tried[best], &base) {
@@ -115,8 +115,9 @@ impl Search<'_> {
         };
         let fit = |p: &Promise| {
             let observed = self.promises.iter().find(|o| o.effect == p.effect);
-            let both = observed.and_then(from).into_iter().chain(from(p));
-            both.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
+            let guessed = Promise { start: Vec::new(), ..p.clone() };
+            let all = observed.and_then(from).into_iter().chain(from(p)).chain(from(&guessed));
+            all.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
         };
         let fitted: Vec<Candidate> = promises.par_iter().filter_map(fit).collect();
         let first = self.tried.len();
