@@ -94,6 +94,7 @@ pub fn compare<'a>(
                     gain: known.and_then(|s| s.gain).unwrap_or(1.0),
                     gain_std: 0.0,
                     gain_at_limit: false,
+                    at_limit: Vec::new(),
                     bias: known.and_then(|s| s.bias).unwrap_or(0.0),
                     bias_spread: known.and_then(|s| s.bias_spread).unwrap_or(0.0),
                     run_bias: Vec::new(),

@@ -293,22 +293,30 @@ fn project_channel(
     let gains: Vec<(Option<Vec<f64>>, f64)> =
         mine.iter().map(|&i| sensor_columns(data, at, blocks[i].run, channel)).collect();
     let free = gains.iter().all(|(g, _)| g.is_some());
+    // A run whose bias is held at its limit beside the common one moves with that.
+    let held = |i: usize| at.sensors[channel].at_limit.contains(&blocks[i].run);
+    let place = |j: usize, i: usize| if held(i) { 1 } else { 2 + j };
     a[(0, 0)] = if free { prior.gain_std.powi(-2) } else { 1.0 };
     for (j, &i) in mine.iter().enumerate() {
-        let k = 2 + j;
+        let k = place(j, i);
         let (gain, one) = &gains[j];
         let columns = &blocks[i].columns;
         let n = columns.first().map_or(0, Vec::len) as f64;
-        a[(k, k)] = one * one * n + spread;
-        a[(1, 1)] += spread;
-        a[(1, k)] = -spread;
-        a[(k, 1)] = -spread;
+        a[(k, k)] += one * one * n;
+        if k == 1 {
+            a[(2 + j, 2 + j)] = 1.0;
+        } else {
+            a[(k, k)] += spread;
+            a[(1, 1)] += spread;
+            a[(1, k)] = -spread;
+            a[(k, 1)] = -spread;
+        }
         for (c, column) in columns.iter().enumerate() {
-            rhs[(k, c)] = one * column.iter().sum::<f64>();
+            rhs[(k, c)] += one * column.iter().sum::<f64>();
         }
         if let Some(gain) = gain.as_ref().filter(|_| free) {
             a[(0, 0)] += dot(gain, gain);
-            a[(0, k)] = one * gain.iter().sum::<f64>();
+            a[(0, k)] += one * gain.iter().sum::<f64>();
             a[(k, 0)] = a[(0, k)];
             for (c, column) in columns.iter().enumerate() {
                 rhs[(0, c)] += dot(gain, column);
@@ -324,7 +332,7 @@ fn project_channel(
         .map(|(j, &i)| {
             let (gain, one) = &gains[j];
             let columns = blocks[i].columns.iter().enumerate().map(|(c, column)| {
-                let (g, b) = (taken[(0, c)], one * taken[(2 + j, c)]);
+                let (g, b) = (taken[(0, c)], one * taken[(place(j, i), c)]);
                 match gain.as_ref().filter(|_| free) {
                     Some(gain) => column.iter().zip(gain).map(|(v, p)| v - g * p - b).collect(),
                     None => column.iter().map(|v| v - b).collect(),

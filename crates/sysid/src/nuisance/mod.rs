@@ -9,7 +9,8 @@
 //!   wrong by a hundred times the noise, ten thousand samples would otherwise outvote any maker's data
 //!   sheet and hide the model's error in an impossible sensor.
 //! - `bias_r = common ± run_bias_std` for each fitted run `r`, and `common = 0 ± bias_std`: a sensor is
-//!   tared anew before a run on many rigs.
+//!   tared anew before a run on many rigs. A run's bias is held as the gain is, beside the common one, of which a mounting
+//!   may know little.
 //!
 //! # The zero of a held-out run
 //!
@@ -45,6 +46,9 @@ fn is_encoder(channel: &str) -> bool {
 impl SensorPrior {
     /// The gain stays within this many of its standard deviations.
     pub const GAIN_LIMIT: f64 = 3.0;
+
+    /// A run's bias stays within this many of its standard deviations of the common one, for the same reason.
+    pub const RUN_BIAS_LIMIT: f64 = 3.0;
 
     /// The default for a channel, by its unit and the greatest magnitude that it showed.
     ///

@@ -60,6 +60,8 @@ pub struct Sensor {
     pub bias_spread: f64,
     /// The bias of each fitted run that has the channel, with the run's index in its data.
     pub run_bias: Vec<(usize, f64)>,
+    /// Runs whose bias is held at its limit of [`SensorPrior::RUN_BIAS_LIMIT`] standard deviations beside the common one.
+    pub at_limit: Vec<usize>,
     /// Cost of the priors: half the sum of their squared rows.
     pub prior_cost: f64,
 }
@@ -80,26 +82,24 @@ pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, 
     let weight = noise_std.powi(-2);
     let (common, spread) = (prior.bias_std.powi(-2), prior.run_bias_std.powi(-2));
     let fixed = prior.gain_std == 0.0;
-    // Unknowns: gain - 1, common bias, one bias a run.
-    let size = 2 + sums.len();
-    let mut a = DMatrix::<f64>::zeros(size, size);
-    let mut rhs = DVector::<f64>::zeros(size);
-    a[(1, 1)] = common;
-    a[(0, 0)] = if fixed { 1.0 } else { prior.gain_std.powi(-2) };
-    for (i, (_, s)) in sums.iter().enumerate() {
-        let k = 2 + i;
-        if !fixed {
-            a[(0, 0)] += weight * s.pp;
-            a[(0, k)] = weight * s.p;
-            a[(k, 0)] = weight * s.p;
-            rhs[0] += weight * (s.py - s.pp);
+    let furthest = SensorPrior::RUN_BIAS_LIMIT * prior.run_bias_std;
+    // Runs whose bias is held at its limit beside the common one, with that distance.
+    let mut held: Vec<Option<f64>> = vec![None; sums.len()];
+    let (mut a, mut rhs);
+    loop {
+        (a, rhs) = normal_equations(weight, prior, sums, &held);
+        let Some(solution) = a.clone().cholesky().map(|c| c.solve(&rhs)) else { break };
+        let before = held.clone();
+        for (i, held) in held.iter_mut().enumerate().filter(|(_, h)| h.is_none()) {
+            let apart = solution[2 + i] - solution[1];
+            *held = (apart.abs() > furthest).then(|| furthest.copysign(apart));
         }
-        a[(k, k)] = weight * s.n + spread;
-        a[(1, 1)] += spread;
-        a[(1, k)] = -spread;
-        a[(k, 1)] = -spread;
-        rhs[k] = weight * (s.y - s.p);
+        if held == before {
+            break;
+        }
     }
+    let size = 2 + sums.len();
+    let bias_of = |solution: &DVector<f64>, i: usize| held[i].map_or(solution[2 + i], |h| solution[1] + h);
     let mut at_limit = false;
     let limit = SensorPrior::GAIN_LIMIT * prior.gain_std;
     // The priors make the matrix positive definite; rounding alone could break it, and then the neutral
@@ -128,14 +128,14 @@ pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, 
             }
             let (mut squares, mut rows) = (0.0, 0.0);
             for (i, (_, s)) in sums.iter().enumerate() {
-                squares += weight * s.squares(1.0 + solution[0], solution[2 + i]);
+                squares += weight * s.squares(1.0 + solution[0], bias_of(&solution, i));
                 rows += s.n;
             }
             at_limit = 0.5 * beyond * beyond > (squares / f64::max(rows, 1.0)).max(1.0);
         }
     }
     let run_bias: Vec<(usize, f64)> =
-        sums.iter().enumerate().map(|(i, (run, _))| (*run, solution[2 + i])).collect();
+        sums.iter().enumerate().map(|(i, (run, _))| (*run, bias_of(&solution, i))).collect();
     let deviations: f64 = run_bias.iter().map(|(_, b)| (b - solution[1]).powi(2)).sum();
     let gain_row = if fixed { 0.0 } else { solution[0] / prior.gain_std };
     let prior_cost = 0.5 * (gain_row.powi(2) + solution[1].powi(2) * common + deviations * spread);
@@ -159,8 +159,47 @@ pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, 
         bias: solution[1],
         bias_spread,
         run_bias,
+        at_limit: sums.iter().zip(&held).filter(|(_, h)| h.is_some()).map(|((run, _), _)| *run).collect(),
         prior_cost,
     }
+}
+
+/// The normal equations of a sensor; its unknowns are the gain less one, the common bias and one bias a run. A run that is
+/// held so far from the common bias has none of its own.
+fn normal_equations(
+    weight: f64,
+    prior: SensorPrior,
+    sums: &[(usize, RunSums)],
+    held: &[Option<f64>],
+) -> (DMatrix<f64>, DVector<f64>) {
+    let (common, spread) = (prior.bias_std.powi(-2), prior.run_bias_std.powi(-2));
+    let fixed = prior.gain_std == 0.0;
+    let size = 2 + sums.len();
+    let mut a = DMatrix::<f64>::zeros(size, size);
+    let mut rhs = DVector::<f64>::zeros(size);
+    a[(1, 1)] = common;
+    a[(0, 0)] = if fixed { 1.0 } else { prior.gain_std.powi(-2) };
+    for (i, ((_, s), held)) in sums.iter().zip(held).enumerate() {
+        let (own, apart) = (2 + i, held.unwrap_or(0.0));
+        let k = if held.is_some() { 1 } else { own };
+        if !fixed {
+            a[(0, 0)] += weight * s.pp;
+            a[(0, k)] += weight * s.p;
+            a[(k, 0)] = a[(0, k)];
+            rhs[0] += weight * (s.py - s.pp - apart * s.p);
+        }
+        a[(k, k)] += weight * s.n;
+        rhs[k] += weight * (s.y - s.p - apart * s.n);
+        if held.is_some() {
+            a[(own, own)] = 1.0;
+        } else {
+            a[(k, k)] += spread;
+            a[(1, 1)] += spread;
+            a[(1, k)] = -spread;
+            a[(k, 1)] = -spread;
+        }
+    }
+    (a, rhs)
 }
 
 /// Fewest rows that make a quiet start: a command that is excited from the beginning keeps its first value for
@@ -220,6 +259,29 @@ mod tests {
     }
 
     const PRIOR: SensorPrior = SensorPrior { gain_std: 0.01, bias_std: 10.0, run_bias_std: 10.0 };
+
+    #[test]
+    fn analytic_a_runs_bias_stays_near_the_common_one_where_a_model_is_wrong() {
+        // Two runs of a model that is 50 apart from what was measured in each: forth in one, back in the other.
+        let sums: Vec<(usize, RunSums)> = [50.0, -50.0]
+            .into_iter()
+            .enumerate()
+            .map(|(run, off)| {
+                let mut sums = RunSums::default();
+                (0..2000).for_each(|i| sums.add((0.01 * f64::from(i)).sin(), off + (0.01 * f64::from(i)).sin()));
+                (run, sums)
+            })
+            .collect();
+        let prior = SensorPrior { gain_std: 0.0, bias_std: 10.0, run_bias_std: 2.0 };
+        let sensor = solve("joint_angle_rad", 0.1, prior, &sums);
+        assert_eq!(sensor.at_limit, [0, 1]);
+        assert!(sensor.bias.abs() < 1e-9);
+        assert!((sensor.bias_of(0) - 6.0).abs() < 1e-9 && (sensor.bias_of(1) + 6.0).abs() < 1e-9);
+        // Where the two agree the common bias takes all of it: no load cell's zero is held.
+        let alike = [(0, sums[0].1), (1, sums[0].1)];
+        let sensor = solve("joint_angle_rad", 0.1, prior, &alike);
+        assert!(sensor.at_limit.is_empty() && (sensor.bias - 50.0).abs() < 0.5, "{sensor:?}");
+    }
 
     #[test]
     fn gain_and_the_biases_of_runs_are_recovered() {
