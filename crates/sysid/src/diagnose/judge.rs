@@ -2,7 +2,7 @@
 
 use super::compare::{excess, runs_helped};
 use super::policy::{
-    ADEQUATE, EXPLAINED, HOLDS_UP, LEFT_SHARE, LITTLE_LEFT, MOST_OF_IT, NAMED_SHARE, STEP_SHARE,
+    ADEQUATE, EXPLAINED, HOLDS_UP, LEFT_SHARE, LITTLE_LEFT, MOST_OF_IT, NAMED_SHARE, STEP_SHARE, TIED_COST,
     WITHIN_UNCERTAINTY, WORTH_NAMING,
 };
 use super::refine::in_windows;
@@ -157,7 +157,8 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
         held_out(named_set).map_or_else(|_| (0, base_holdout.clone()), |at| (named_set, at));
     let mut kind = kind_of(index, &chosen_holdout)?;
     if kind == VerdictKind::Unexplained {
-        // Of a set that does not hold up as a whole a part may: the one that leaves least.
+        // Of a set that does not hold up as a whole a part may: the one that leaves least. If none does, the best single
+        // effect may; where a curve takes the place of all sets, if that predicts the held-out runs worse.
         let mut parts = Vec::new();
         let is_part = |i: &usize| *i != named_set && !found.tried[*i].effects.is_empty();
         for part in steps_to(found, named_set, &held_out).into_iter().filter(is_part) {
@@ -165,6 +166,17 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
             let of_part = kind_of(part, &at)?;
             if of_part != VerdictKind::Unexplained {
                 parts.push((part, at, of_part));
+            }
+        }
+        let curve = found.laws.iter().find(|law| law.beside == 0 && named_set == 0);
+        let of_curve = curve.map_or(f64::INFINITY, |law| error_of(law.with.held_out(holdout)));
+        if let Some(single) = best_single(found).filter(|_| parts.is_empty())
+            && let Ok(at) = held_out(single)
+            && at.rms < of_curve
+        {
+            let of_single = kind_of(single, &at)?;
+            if of_single != VerdictKind::Unexplained {
+                parts.push((single, at, of_single));
             }
         }
         parts.sort_by(|a, b| a.1.rms.total_cmp(&b.1.rms));
@@ -250,6 +262,18 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
 /// A set's error on the held-out runs: what cannot be simulated with it explains nothing of them.
 fn error_of(held_out: Result<Evaluation, Error>) -> f64 {
     held_out.map_or(f64::INFINITY, |at| at.rms)
+}
+
+/// The single effect that predicts left-out stretches of the fit runs best, of equals the one with fewest parameters.
+fn best_single(found: &Found) -> Option<usize> {
+    let mean = |i: usize| found.tried[i].validation.mean_square();
+    let singles = || (1..found.tried.len()).filter(|&i| found.tried[i].effects.len() == 1);
+    let least = singles().map(mean).fold(f64::INFINITY, f64::min);
+    let equal = singles().filter(|&i| mean(i) <= TIED_COST * least);
+    equal.min_by(|&a, &b| {
+        let parameters = |i: usize| found.tried[i].effect_parameters();
+        parameters(a).cmp(&parameters(b)).then(mean(a).total_cmp(&mean(b)))
+    })
 }
 
 type HeldOut<'a> = dyn Fn(usize) -> Result<Evaluation, Error> + 'a;
