@@ -1,19 +1,24 @@
-//! Periods of effects that repeat along the screw or with the rotor, read off the missing force: between two periods that
+//! Periods of effects that repeat along the screw or with the rotor, read off the missing force, and frequencies of
+//! resonances, read off what is left: between two periods that
 //! differ by more than half a wave along the travel no fit finds its way, and simulating every one of them costs more than all
 //! other effects.
 
 use super::Candidate;
 use super::missing::{Missing, ports};
-use super::policy::{CYCLES, PERIOD_ROWS, PERIODS, WAVES_APART};
+use super::policy::{CYCLES, LOWEST_HZ, PERIOD_ROWS, PERIODS, RESONANCES, RESONANCES_APART, WAVES_APART};
 use crate::data::Data;
 use crate::fit;
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, internal};
 use std::f64::consts::TAU;
 
+/// The parameter that says where an effect resonates.
+pub(super) const RESONANCE: &str = "frequency_hz";
+
 /// The card with starting periods where the missing force at the rotor has the most power along the screw, beside its own ones
 /// unless a simulation is dear; there it keeps those of its starting cycles per turn of the rotor that have most power. As it
-/// is where the effect has neither, or no observer shows what is missing.
+/// is where the effect has neither, or no observer shows what is missing. A resonance starts where what is left has the most
+/// power, too: beside its own width nothing leads to it.
 pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard) -> EffectCard {
     let dear = fit::has_many_parameters(observed.model.as_ref());
     let mut card = card.clone();
@@ -23,7 +28,9 @@ pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard)
         ports(data, at, &at.predictions).into_iter().find(|m| m.place == place && m.port == "rotor")
     };
     for p in &mut card.parameters {
-        if p.name.starts_with(EffectCard::PERIOD)
+        if p.name == RESONANCE && !dear {
+            p.starts.extend(loudest(data, observed, (p.min, p.max)));
+        } else if p.name.starts_with(EffectCard::PERIOD)
             && let Some(missing) = rotor()
         {
             let starts = || p.starts.iter().copied().chain([p.value]);
@@ -51,6 +58,51 @@ pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard)
         }
     }
     card
+}
+
+/// The frequencies between two bounds at which what a candidate leaves has the most power, in noise units, the loudest first.
+fn loudest(data: &Data, candidate: &Candidate, (lowest, highest): (f64, f64)) -> Vec<f64> {
+    let blocks: Vec<(Vec<f64>, &[f64])> = candidate
+        .fit
+        .evaluation
+        .blocks
+        .iter()
+        .map(|b| {
+            let run = &data.runs[b.run];
+            (run.rows().map(|i| run.record.time_s[i]).collect(), &b.residual[..])
+        })
+        .collect();
+    let periods = data.runs.iter().map(|run| run.record.mean_period_s());
+    let nyquist = 0.5 / periods.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let (first, last) = (lowest.max(LOWEST_HZ), highest.min(nyquist));
+    if first >= last {
+        return Vec::new();
+    }
+    let steps = ((last / first).ln() / RESONANCES_APART.ln()).ceil() as i32;
+    let all: Vec<f64> = (0..=steps).map(|i| first * RESONANCES_APART.powi(i)).collect();
+    let power = |hz: &f64| -> f64 {
+        let of_block = |(time, residual): &(Vec<f64>, &[f64])| {
+            let (mut sin_sum, mut cos_sum) = (0.0, 0.0);
+            for (t, r) in time.iter().zip(*residual) {
+                let (sin, cos) = (TAU * hz * t).sin_cos();
+                sin_sum += r * sin;
+                cos_sum += r * cos;
+            }
+            sin_sum * sin_sum + cos_sum * cos_sum
+        };
+        blocks.iter().map(of_block).sum()
+    };
+    let power: Vec<f64> = all.par_iter().map(power).collect();
+    peaks(&power).into_iter().take(RESONANCES as usize).map(|i| all[i]).collect()
+}
+
+/// The places of local maxima, the greatest first.
+fn peaks(power: &[f64]) -> Vec<usize> {
+    let at = |i: usize| power.get(i).copied().unwrap_or(0.0);
+    let mut peaks: Vec<usize> =
+        (0..power.len()).filter(|&i| at(i) > at(i + 1) && (i == 0 || at(i) >= at(i - 1))).collect();
+    peaks.sort_by(|&a, &b| power[b].total_cmp(&power[a]));
+    peaks
 }
 
 /// A row of the missing force along the screw, or over the rotor's angle.
@@ -104,11 +156,7 @@ fn strongest(rows: &[Row], (shortest, longest): (f64, f64)) -> Vec<f64> {
     let steps = ((last - first) / WAVES_APART).ceil() as usize;
     let waves: Vec<f64> = (0..=steps).map(|i| first + WAVES_APART * i as f64).collect();
     let power = powers(rows, &waves.iter().map(|waves| waves / travel).collect::<Vec<_>>());
-    let at = |i: usize| power.get(i).copied().unwrap_or(0.0);
-    let mut peaks: Vec<usize> =
-        (0..power.len()).filter(|&i| at(i) > at(i + 1) && (i == 0 || at(i) >= at(i - 1))).collect();
-    peaks.sort_by(|&a, &b| power[b].total_cmp(&power[a]));
-    peaks.into_iter().take(PERIODS as usize).map(|i| travel / waves[i]).collect()
+    peaks(&power).into_iter().take(PERIODS as usize).map(|i| travel / waves[i]).collect()
 }
 
 /// The power of the force, or of it times the direction of motion, in waves of so many per unit of the position.
@@ -145,5 +193,10 @@ mod tests {
             .collect();
         let found = strongest(&rows, (0.0005, 0.48));
         assert!(found.iter().any(|p| (p / 0.002 - 1.0).abs() < 2e-3), "{found:?}");
+    }
+
+    #[test]
+    fn analytic_peaks_are_local_maxima_with_the_greatest_first() {
+        assert_eq!(peaks(&[3.0, 1.0, 2.0, 5.0, 4.0, 4.5]), [3, 5, 0]);
     }
 }

@@ -177,6 +177,13 @@ policy! {
     WAVES_APART = 0.25;
     /// Periods of the greatest power that are simulated.
     PERIODS = 4.0;
+    /// Frequencies of the greatest power of what is left at which a resonance starts: the residual beside a fitted model has
+    /// its lobes on either side of it.
+    RESONANCES = 3.0;
+    /// Ratio of the frequencies that the power is taken at: the half width of a mode of 4 %.
+    RESONANCES_APART = 1.04;
+    /// The lowest of them, Hz: a run of some ten seconds holds ten of its periods.
+    LOWEST_HZ = 1.0;
     /// Cycles per turn of the rotor that are simulated where a simulation is dear, of all those that have the greatest power: a
     /// ripple that noise puts behind a quarter of them is not seen by a fit either.
     CYCLES = 12.0;

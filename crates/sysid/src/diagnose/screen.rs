@@ -98,10 +98,12 @@ pub fn screen(
 ) -> Screened {
     let cards: Vec<EffectCard> =
         cards.par_iter().map(|card| periods::with_periods(data, beside, card)).collect();
+    let dear = crate::fit::has_many_parameters(beside.model.as_ref());
     let mut jobs: Vec<(usize, Vec<f64>)> = Vec::new();
     for (c, card) in cards.iter().enumerate() {
-        // A periodic effect's starts are its periods: none of them leads to another.
-        let most = if card.is_periodic() { usize::MAX } else { starts };
+        // A periodic effect's starts are its periods, a resonance's where something is loud: none of them leads to another.
+        let resonates = card.parameters.iter().any(|p| p.name == periods::RESONANCE);
+        let most = if card.is_periodic() || (resonates && !dear) { usize::MAX } else { starts };
         jobs.extend(combinations(&card.parameters, most).into_iter().map(|s| (c, s)));
         jobs.extend(count::starts(data, beside, seen, card).into_iter().map(|s| (c, s)));
     }

@@ -4,7 +4,7 @@
 use super::compare::{clearly_better, excess, is_beyond_chance, is_seen};
 use super::policy::{
     AT_FLOOR, EXPLAINED, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR,
-    NEEDED_COST, OPEN_LOOP_WORTH, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE,
+    NEEDED_COST, OPEN_LOOP_WORTH, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
 };
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -79,7 +79,7 @@ impl Search<'_> {
             }
             let fitted = self.grown(best);
             let better = self.best_of(&fitted, best);
-            if better == best {
+            if better == best || self.is_too_little(better, best) {
                 break;
             }
             self.fit_from_every_start(better, best);
@@ -93,6 +93,16 @@ impl Search<'_> {
             }
         }
         (best, false)
+    }
+
+    /// Whether a third or a fourth effect takes so little of what two leave, and leaves so much, that it would not be named:
+    /// flexible laws take as much of anything.
+    fn is_too_little(&self, more: usize, than: usize) -> bool {
+        let left = |i: usize| excess(self.tried[i].fit.error(), self.models.data.floor);
+        let (before, after) = (left(than), left(more));
+        self.tried[than].effects.len() >= 2
+            && !self.is_explained(more)
+            && after > (1.0 - WORTH_NAMING) * before
     }
 
     /// Where the best set leaves something, every effect that was not fitted alone is, from where it promises most in open

@@ -268,7 +268,8 @@ mod tests {
             .enumerate()
             .map(|(run, off)| {
                 let mut sums = RunSums::default();
-                (0..2000).for_each(|i| sums.add((0.01 * f64::from(i)).sin(), off + (0.01 * f64::from(i)).sin()));
+                (0..2000)
+                    .for_each(|i| sums.add((0.01 * f64::from(i)).sin(), off + (0.01 * f64::from(i)).sin()));
                 (run, sums)
             })
             .collect();
