@@ -76,11 +76,10 @@ fn a_carriage_that_begins_in_motion_gets_its_friction_and_offset_back() {
     carriage(folder.path());
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (campaign, better, result) = (path("."), path("better.toml"), path("added.json"));
+    // To the model that the campaign names, as no other is given.
     well(&[
         "add",
         "coulomb-friction+output-offset",
-        "--to",
-        "rigid-linear",
         "--campaign",
         &campaign,
         "-o",

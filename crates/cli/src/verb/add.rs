@@ -21,9 +21,9 @@ pub struct Add {
     /// The file of a law that `diagnose --law` wrote, as if it were named among the effects
     #[arg(long, value_name = "LAW.toml")]
     law: Vec<PathBuf>,
-    /// The model: an actuator file, for a leg a scenario file, or a preset
+    /// The model: an actuator file, for a leg a scenario file, or a preset; without it the campaign's own
     #[arg(long = "to", value_name = "MODEL.toml")]
-    model: PathBuf,
+    model: Option<PathBuf>,
     /// The campaign's folder, or its campaign.toml
     #[arg(long)]
     campaign: PathBuf,
@@ -59,14 +59,13 @@ pub fn run(arguments: &Add) -> anyhow::Result<u8> {
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
 
     let bar = progress::spinner();
-    let command = format!(
-        "sealegs add {} --to {} --campaign {}",
-        effects.join(" "),
-        arguments.model.display(),
-        arguments.campaign.display()
-    );
-    let options =
-        Options::new().model(arguments.model.as_path()).command(command).on_progress(progress::on(&bar));
+    let to = arguments.model.as_ref().map_or(String::new(), |model| format!(" --to {}", model.display()));
+    let command =
+        format!("sealegs add {}{to} --campaign {}", effects.join(" "), arguments.campaign.display());
+    let mut options = Options::new().command(command).on_progress(progress::on(&bar));
+    if let Some(model) = &arguments.model {
+        options = options.model(model.as_path());
+    }
     let addition = sealegs::add(&asked, &campaign, options);
     bar.finish();
     let addition = addition?;

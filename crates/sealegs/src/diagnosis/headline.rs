@@ -183,8 +183,9 @@ fn next(o: &Outcome, command: &str) -> Vec<String> {
     let mut lines = Vec::new();
     if !o.effects.is_empty() && o.verdict != "added" {
         lines.push(format!(
-            "$ sealegs add {} --to MODEL.toml --campaign {} -o better.toml",
+            "$ sealegs add {}{} --campaign {} -o better.toml",
             o.effects.join("+"),
+            to_model_of(command),
             campaign_of(command)
         ));
     }
@@ -192,7 +193,8 @@ fn next(o: &Outcome, command: &str) -> Vec<String> {
         lines.push(law.sentence());
         lines.push("$ sealegs diagnose CAMPAIGN --law law.toml".replace("CAMPAIGN", campaign_of(command)));
         lines.push(format!(
-            "$ sealegs add law.toml --to MODEL.toml --campaign {} -o better.toml",
+            "$ sealegs add law.toml{} --campaign {} -o better.toml",
+            to_model_of(command),
             campaign_of(command)
         ));
     } else if o.verdict == "unexplained" {
@@ -205,6 +207,12 @@ fn next(o: &Outcome, command: &str) -> Vec<String> {
         lines.push(o.next_experiment.clone());
     }
     lines
+}
+
+/// What `add` is told of the model that a command line names; nothing where that is the campaign's own.
+fn to_model_of(command: &str) -> String {
+    let mut words = command.split_whitespace().skip_while(|w| *w != "--model");
+    words.nth(1).map_or(String::new(), |model| format!(" --to {model}"))
 }
 
 /// The campaign in a command line; a placeholder where it is none.
@@ -405,7 +413,7 @@ mod tests {
             "Rivals",
             "knee/torque-ripple (6.30)",
             "What to do next",
-            "sealegs add knee/backlash+knee/coulomb-friction --to MODEL.toml --campaign data/toy",
+            "sealegs add knee/backlash+knee/coulomb-friction --campaign data/toy",
             "Repeat the drop from 5 cm.",
         ];
         let mut from = 0;

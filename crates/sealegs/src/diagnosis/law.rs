@@ -72,7 +72,7 @@ impl LawSaid {
         let text = toml::to_string(&self.law).map_err(crate::Error::model_file)?;
         Ok(format!(
             "# What no known effect gives in the campaign {campaign}: a curve that was fitted to it. Valid where it was seen.\n\
-             # sealegs add THIS.toml --to MODEL.toml --campaign CAMPAIGN -o BETTER.toml\n\n{text}"
+             # sealegs add THIS.toml --campaign CAMPAIGN -o BETTER.toml\n\n{text}"
         ))
     }
 }

@@ -174,8 +174,9 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
             && let Ok(at) = held_out(single)
             && at.rms < of_curve
         {
+            // A set that was chosen is clearly better than the base model; of one that was not that is asked here.
             let of_single = kind_of(single, &at)?;
-            if of_single != VerdictKind::Unexplained {
+            if of_single != VerdictKind::Unexplained && share_of(&at) <= 1.0 - MOST_OF_IT {
                 parts.push((single, at, of_single));
             }
         }
