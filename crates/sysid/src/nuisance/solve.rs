@@ -85,29 +85,28 @@ pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, 
     let furthest = SensorPrior::RUN_BIAS_LIMIT * prior.run_bias_std;
     // Runs whose bias is held at its limit beside the common one, with that distance.
     let mut held: Vec<Option<f64>> = vec![None; sums.len()];
-    let (mut a, mut rhs);
-    loop {
-        (a, rhs) = normal_equations(weight, prior, sums, &held);
-        let Some(solution) = a.clone().cholesky().map(|c| c.solve(&rhs)) else { break };
+    // The priors make the matrix positive definite; rounding alone could break it, and then the neutral sensor is the answer.
+    let (mut a, mut rhs, solved) = loop {
+        let (a, rhs) = normal_equations(weight, prior, sums, &held);
+        let Some(cholesky) = a.clone().cholesky() else { break (a, rhs, None) };
+        let solution = cholesky.solve(&rhs);
         let before = held.clone();
         for (i, held) in held.iter_mut().enumerate().filter(|(_, h)| h.is_none()) {
             let apart = solution[2 + i] - solution[1];
             *held = (apart.abs() > furthest).then(|| furthest.copysign(apart));
         }
         if held == before {
-            break;
+            break (a, rhs, Some((cholesky, solution)));
         }
-    }
+    };
     let size = 2 + sums.len();
     let bias_of = |solution: &DVector<f64>, i: usize| held[i].map_or(solution[2 + i], |h| solution[1] + h);
     let mut at_limit = false;
     let limit = SensorPrior::GAIN_LIMIT * prior.gain_std;
-    // The priors make the matrix positive definite; rounding alone could break it, and then the neutral
-    // sensor is the answer.
     let mut solution = DVector::zeros(size);
     let mut gain_std = 0.0;
-    if let Some(cholesky) = a.clone().cholesky() {
-        solution = cholesky.solve(&rhs);
+    if let Some((cholesky, found)) = solved {
+        solution = found;
         if !fixed {
             let mut unit = DVector::zeros(size);
             unit[0] = 1.0;
