@@ -13,9 +13,10 @@ use super::screen::{Known, is_amplitude, screen};
 use super::{Candidate, count, values_by_name, with_effects};
 use crate::Error;
 use crate::data::Data;
-use crate::fit::{self, Difference, Fit, FitOptions};
+use crate::fit::{self, Difference, Fit, FitOptions, KnownColumns};
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model, Parameter, Record};
+use std::sync::Arc;
 
 /// Gain of a step with which a fit in a search is content (see [`FitOptions::tolerance`]).
 const TOLERANCE: f64 = 0.05;
@@ -339,13 +340,27 @@ impl<'a> Models<'a> {
                 let options = FitOptions { start: Some(start), ..options.clone() };
                 count::fit_holding(self.data, model.as_ref(), &options)
             };
-            let mut fit = from(candidate.fit.values.clone())?;
+            let mut fit = from(self.rescaled(candidate).values)?;
             for start in freed(model.as_ref(), &candidate.fit.values) {
                 fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
             }
             Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
         };
         polish().unwrap_or_else(|_| candidate.clone())
+    }
+
+    /// A candidate's fit followed along changes of the units of force and length, where derivatives are cheap.
+    fn rescaled(&self, candidate: &Candidate) -> Fit {
+        let (model, fit) = (candidate.model.as_ref(), candidate.fit.clone());
+        if self.dear {
+            return fit;
+        }
+        let refit = |near: &Fit, start: Vec<f64>| {
+            let columns = Some(Arc::new(KnownColumns::of(near)));
+            let options = FitOptions { secants: true, columns, ..self.options(model, start, candidate) };
+            fit::fit(self.data, model, &options).ok()
+        };
+        fit::along_units(self.data, model, fit, &count::held(model), refit)
     }
 
     /// A candidate of the search with what it leaves in open loop, where it was fitted in windows: that is what anybody is

@@ -18,12 +18,14 @@ mod bend;
 mod coordinates;
 mod jacobian;
 mod levenberg;
+mod rescale;
 mod secant;
 mod signature;
 mod uncertainty;
 
 pub use coordinates::Bound;
 pub(crate) use jacobian::dot;
+pub(crate) use rescale::along_units;
 pub use jacobian::{Difference, JacobianBlock};
 pub use secant::KnownColumns;
 pub use signature::Signatures;
