@@ -80,6 +80,9 @@ policy! {
     MOST_OPPOSED = 0.4;
     /// Cost over the chosen set's above which a set is no tie, whatever is predicted.
     TIED_COST = 1.1;
+    /// Seconds of experiment after whose simulation sets only grow, and no further looks are taken: 1500 times the 400 s of fit
+    /// runs that a bench's hour has, some 75 s of two cores.
+    LONG_SEARCH_S = 600_000.0;
     /// Effects in a set: a rig with more unknowns needs other experiments first.
     MOST_EFFECTS = 4.0;
     /// Starting values of an effect in the first look of the screening.
@@ -88,6 +91,12 @@ policy! {
     STARTS_DEAR = 6.0;
     /// Single effects that are fitted beside a set.
     SHORTLIST = 10.0;
+    /// Those of them that are fitted whatever they promise: a resonance that starts beside its frequency promises a seventh of
+    /// what it takes.
+    ANYHOW = 3.0;
+    /// Share of the greatest promise below which no other one is fitted beside effects: a regression that is wrong by a
+    /// factor of ten does not make it the best.
+    PROMISES_LITTLE = 0.05;
     /// Pairs that are fitted beside a set.
     SHORTLIST_PAIRS = 4.0;
     /// Effects that may be half of a pair, by what each promises alone.

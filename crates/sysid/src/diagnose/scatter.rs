@@ -5,7 +5,7 @@
 //! followed, ever fewer of them for ever more steps.
 
 use super::Candidate;
-use super::policy::{EXPLAINED, SCATTERED_RATIO};
+use super::policy::{EXPLAINED, SCATTERED_RATIO, SHORTLIST};
 use super::refine::{Models, with_nominal_base};
 use super::screen::Known;
 use super::{values_by_name, with_effects};
@@ -113,7 +113,7 @@ impl Models<'_> {
         let leader = best.iter().take(1).map(|p| Place { values: p.values.clone(), ..*p }).collect();
         let near_leader = around(leader, NEARBY_RATIO);
         self.data.add_work(&few);
-        most_promising(near_leader.into_iter().chain(best).collect(), sets.len(), 1, usize::MAX)
+        most_promising(near_leader.into_iter().chain(best).collect(), sets.len(), 1, SHORTLIST as usize)
             .into_par_iter()
             .filter_map(|place| {
                 let parameters = models[place.set].as_deref()?.parameters();

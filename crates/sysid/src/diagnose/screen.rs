@@ -6,8 +6,8 @@
 //! Signatures of several effects are regressed together: effects that explain something only together show there.
 
 use super::policy::{
-    FARTHEST, HALF_AS_STRONG, LOOKS, LOOKS_ALIKE, NEAREST, PAIR_WORTH, PAIRED, PROMISE_HELD, PROMISE_KEPT,
-    SCREEN_STEPS_PER_SAMPLE, SHORTLIST, SHORTLIST_PAIRS,
+    ANYHOW, FARTHEST, HALF_AS_STRONG, LOOKS, LOOKS_ALIKE, NEAREST, PAIR_WORTH, PAIRED, PROMISE_HELD,
+    PROMISE_KEPT, PROMISES_LITTLE, SCREEN_STEPS_PER_SAMPLE, SHORTLIST, SHORTLIST_PAIRS,
 };
 use super::{Candidate, count, periods};
 use crate::data::Data;
@@ -59,13 +59,19 @@ pub struct Screened {
 }
 
 impl Screened {
-    /// What is fitted: the most promising effects alone, then pairs that promise clearly more than either half.
+    /// What is fitted: the most promising effects alone, then pairs that promise clearly more than either half. Of a set that
+    /// has effects already, `grows`, what promises next to nothing in comparison is left out.
     #[must_use]
-    pub fn plans(&self, left: f64) -> Vec<Plan> {
-        let alone = self.promises.iter().filter(|p| p.drop > 0.0).take(SHORTLIST as usize);
-        let alone =
-            alone.map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() });
+    pub fn plans(&self, left: f64, grows: bool) -> Vec<Plan> {
         let best = self.promises.first().map_or(0.0, |p| p.drop);
+        let least =
+            |place: usize| if grows && place >= ANYHOW as usize { PROMISES_LITTLE * best } else { 0.0 };
+        let alone = self.promises.iter().enumerate().filter(|(place, p)| p.drop > least(*place));
+        let alone = alone.take(SHORTLIST as usize).map(|(_, p)| Plan {
+            added: vec![p.effect.clone()],
+            drop: p.drop,
+            start: p.start.clone(),
+        });
         let worth = (PAIR_WORTH * (left - best)).max(0.0);
         let pairs = self.pairs.iter().filter(|p| p.drop > best + worth).take(SHORTLIST_PAIRS as usize);
         alone.chain(pairs.cloned()).collect()
@@ -388,7 +394,16 @@ mod tests {
             promises: vec![promise("a", 60.0), promise("b", 5.0)],
             pairs: vec![pair(drop)],
         };
-        assert_eq!(screened(62.0).plans(100.0).len(), 2);
-        assert_eq!(screened(90.0).plans(100.0).len(), 3);
+        assert_eq!(screened(62.0).plans(100.0, false).len(), 2);
+        assert_eq!(screened(90.0).plans(100.0, false).len(), 3);
+    }
+
+    #[test]
+    fn beside_effects_what_promises_next_to_nothing_is_not_planned() {
+        let promise = |drop: f64| Promise { effect: format!("{drop}"), drop, start: Vec::new() };
+        let promises = [60.0, 20.0, 0.9, 0.8, 0.7].map(promise).to_vec();
+        let screened = Screened { promises, pairs: Vec::new() };
+        assert_eq!(screened.plans(100.0, false).len(), 5);
+        assert_eq!(screened.plans(100.0, true).len(), 3);
     }
 }

@@ -3,8 +3,9 @@
 
 use super::compare::{clearly_better, excess, is_beyond_chance, is_seen};
 use super::policy::{
-    AT_FLOOR, EXPLAINED, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, LEFT_SHARE, MOST_EFFECTS, NEAR_FLOOR,
-    NEEDED_COST, OPEN_LOOP_WORTH, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
+    AT_FLOOR, EXPLAINED, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS,
+    NEAR_FLOOR, NEEDED_COST, OPEN_LOOP_WORTH, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE,
+    WORTH_NAMING,
 };
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -54,7 +55,7 @@ impl Search<'_> {
         if other != best {
             (best, last) = self.grown_from(other);
         }
-        if last {
+        if last || self.is_long() {
             return best;
         }
         for _ in 0..ROUNDS {
@@ -66,6 +67,12 @@ impl Search<'_> {
             }
         }
         best
+    }
+
+    /// Whether so much was simulated that sets only grow from now on: where nothing explains the runs, every further look costs
+    /// as much as all that is known cost so far.
+    pub fn is_long(&self) -> bool {
+        self.models.data.work().1 > LONG_SEARCH_S
     }
 
     /// Adds effects to a set as long as that is clearly better; the index of the last set, and whether it leaves so little
@@ -110,7 +117,7 @@ impl Search<'_> {
     /// index of the best one if it is clearly better than the best set.
     fn others_alone(&mut self, best: usize) -> usize {
         let (models, base) = (&self.models, self.tried[0].clone());
-        if models.dear || models.is_settled(&self.tried[best], &base) {
+        if models.dear || self.is_long() || models.is_settled(&self.tried[best], &base) {
             return best;
         }
         let cards = addable(base.model.as_ref(), &models.seen, &self.admitted);
@@ -145,7 +152,7 @@ impl Search<'_> {
         let noise = 0.5 * self.models.data.floor.powi(2) * self.tried[from].validation.residuals as f64;
         let left = (self.tried[from].fit.cost - noise).max(0.0);
         let near = self.tried[from].clone();
-        let mut fitted = self.fit_all(&near, beside.as_ref(), screened.plans(left), None);
+        let mut fitted = self.fit_all(&near, beside.as_ref(), screened.plans(left, from > 0), None);
         let floor = self.models.data.floor;
         let much = OPEN_LOOP_WORTH * excess(self.tried[from].fit.error(), floor);
         let unexplained = |i: usize| {
@@ -153,7 +160,7 @@ impl Search<'_> {
             error > NEAR_FLOOR * floor && !(self.models.dear && excess(error, floor) < much)
         };
         let unexplained = fitted.iter().all(|&i| unexplained(i));
-        if let Some(beside) = beside.as_ref().filter(|_| unexplained) {
+        if let Some(beside) = beside.as_ref().filter(|_| unexplained && !self.is_long()) {
             let plans = self.in_open_loop(from, beside, &screened);
             fitted.extend(self.fit_all(&near, None, plans, None));
         }
@@ -362,7 +369,7 @@ impl Search<'_> {
     /// values misleads all that is added to it.
     fn fit_from_every_start(&mut self, index: usize, from: usize) {
         let (set, near) = (&self.tried[index], &self.tried[from]);
-        if self.models.dear || self.models.is_settled(set, &self.tried[0]) {
+        if self.models.dear || self.is_long() || self.models.is_settled(set, &self.tried[0]) {
             return;
         }
         let added: Vec<String> = set.effects.iter().filter(|e| !near.effects.contains(e)).cloned().collect();

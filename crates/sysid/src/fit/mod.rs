@@ -25,8 +25,8 @@ mod uncertainty;
 
 pub use coordinates::Bound;
 pub(crate) use jacobian::dot;
-pub(crate) use rescale::along_units;
 pub use jacobian::{Difference, JacobianBlock};
+pub(crate) use rescale::along_units;
 pub use secant::KnownColumns;
 pub use signature::Signatures;
 
