@@ -42,23 +42,18 @@ pub(super) fn look(models: &Models, found: &mut Found, before: &[Port], after: &
     if error(found.chosen) <= EXPLAINED * floor || (found.chosen > 0 && left < LEFT_SHARE) {
         return Vec::new();
     }
-    let square = |c: &Candidate| excess(c.validation.mean_square().sqrt(), floor);
-    let takes = |from: &Candidate, with: &Candidate, share: f64| {
-        clearly_better(from, with, floor) && square(with) <= share * square(from)
-    };
-    let helps = |law: &FreeForm| takes(&found.tried[law.beside], &law.with, 1.0 - WORTH_NAMING);
-    let alone = best(models, found, 0, before).filter(helps);
+    let alone = best(models, found, 0, before);
     if found.chosen == 0 {
         return alone.into_iter().collect();
     }
-    let beaten = |law: &FreeForm| takes(&found.tried[found.chosen], &law.with, 1.0 / CURVE_BEATS);
+    let beaten = |law: &FreeForm| takes(&found.tried[found.chosen], &law.with, 1.0 / CURVE_BEATS, floor);
     if alone.as_ref().is_some_and(|law| beaten(law) && !is_dry_friction(law)) {
         found.chosen = 0;
         found.tied.clear();
         found.same.clear();
         return alone.into_iter().collect();
     }
-    let beside = best(models, found, found.chosen, after).filter(helps);
+    let beside = best(models, found, found.chosen, after);
     beside.into_iter().chain(alone).collect()
 }
 
@@ -67,7 +62,14 @@ fn is_dry_friction(law: &FreeForm) -> bool {
     law.on == "speed" && law.dry_share >= DRY_MOSTLY
 }
 
-/// The curve that leaves least beside a set: some are fitted under the observer, the best of these in open loop.
+/// Whether a model leaves no more than a share of what another one leaves on left-out stretches, and clearly less.
+fn takes(from: &Candidate, with: &Candidate, share: f64, floor: f64) -> bool {
+    let square = |c: &Candidate| excess(c.validation.mean_square().sqrt(), floor);
+    clearly_better(from, with, floor) && square(with) <= share * square(from)
+}
+
+/// The curve that leaves least beside a set: some are fitted under the observer, the best of these in open loop, and to the
+/// end if it takes a good part of what the set leaves.
 fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option<FreeForm> {
     let near = &found.tried[beside];
     let known = near.known();
@@ -88,6 +90,9 @@ fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option
         .filter(|(t, with)| t.law.acts_on != "drive" || !is_left_undriven(&t.law, near, with))
         .collect();
     let (tried, with) = fitted.into_iter().reduce(|a, b| if b.1.fit.cost < a.1.fit.cost { b } else { a })?;
+    if !takes(near, &with, 1.0 - WORTH_NAMING, models.data.floor) {
+        return None;
+    }
     let models = tried.models(models);
     let with = models.polished(&with);
     let force = missing_force(&models, &with, ports);
