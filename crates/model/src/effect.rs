@@ -40,6 +40,9 @@ impl EffectCard {
     /// How the parameter is called, up to its unit, after which an effect repeats.
     pub const PERIOD: &'static str = "period";
 
+    /// How the parameter is called, up to its unit, that says where such a period begins: places a period apart are the same.
+    pub const PLACE: &'static str = "place";
+
     /// How the parameter is called that says how often an effect repeats in a turn of the rotor.
     pub const CYCLES: &'static str = "cycles_per_rev";
 

@@ -5,7 +5,8 @@ use super::validation::{Validation, validate};
 use crate::Error;
 use crate::data::{Data, Evaluation};
 use crate::fit::{Fit, FitOptions, KnownColumns, fit};
-use sealegs_model::{Excitation, Model, Parameter};
+use sealegs_model::{EffectCard, Excitation, Model, Parameter};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// A fitted set of effects.
@@ -125,7 +126,43 @@ pub fn values_by_name(model: &dyn Model, known: &[(String, f64)]) -> Vec<f64> {
     model.parameters().iter().map(|p| value(p).unwrap_or(p.value)).collect()
 }
 
+/// Values with each phase, and each place along a period, within half a period of zero: the others mean the same. A value
+/// whose bounds forbid that stays.
+pub(super) fn within_half_a_period(parameters: &[Parameter], values: &[f64]) -> Vec<f64> {
+    let period = |name: &str| {
+        let (effect, own) = name.rsplit_once('.')?;
+        if own == EffectCard::PHASE {
+            return Some(TAU);
+        }
+        let is_period =
+            |p: &Parameter| symbol(&p.name, effect).is_some_and(|s| s.starts_with(EffectCard::PERIOD));
+        let at = parameters.iter().position(is_period)?;
+        own.starts_with(EffectCard::PLACE).then(|| values[at])
+    };
+    let nearest = |(p, value): (&Parameter, &f64)| {
+        let nearest = period(&p.name).map(|period| value - period * (value / period).round());
+        nearest.filter(|v| !p.fixed && (p.min..=p.max).contains(v)).unwrap_or(*value)
+    };
+    parameters.iter().zip(values).map(nearest).collect()
+}
+
 /// What an effect calls one of its parameters, if it is its own.
 pub(super) fn symbol<'a>(parameter: &'a str, effect: &str) -> Option<&'a str> {
     parameter.strip_prefix(effect)?.strip_prefix('.')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_phase_and_a_place_are_told_within_half_a_period_of_zero() {
+        let new = |name: &str| Parameter::new(name, "", 0.0, -100.0, 100.0);
+        let mut bounded = new("other.phase_rad");
+        bounded.min = 3.0;
+        let parameters =
+            [new("place_m"), new("wave.period_m"), new("wave.place_m"), new("ripple.phase_rad"), bounded];
+        let told = within_half_a_period(&parameters, &[7.0, 3.0, 7.0, -5.0, 5.0]);
+        assert_eq!(told, [7.0, 3.0, 1.0, TAU - 5.0, 5.0]);
+    }
 }

@@ -4,6 +4,7 @@
 //! observer (see [`Model::observing`]) an error lasts for one of its time constants only. What is fitted there begins the
 //! fit in open loop, which alone is validated, compared and judged.
 
+use super::candidate::within_half_a_period;
 use super::compare::{excess, is_seen, mean_square_difference};
 use super::policy::{
     AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, RACE_STEPS, RACED, SLIGHTLY_WEAKER, STARTS, STEPS, STEPS_DEAR,
@@ -340,7 +341,8 @@ impl<'a> Models<'a> {
                 let options = FitOptions { start: Some(start), ..options.clone() };
                 count::fit_holding(self.data, model.as_ref(), &options)
             };
-            let mut fit = from(self.rescaled(candidate).values)?;
+            let start = within_half_a_period(model.parameters(), &self.rescaled(candidate).values);
+            let mut fit = from(start)?;
             for start in freed(model.as_ref(), &candidate.fit.values) {
                 fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
             }
