@@ -80,8 +80,8 @@ policy! {
     MOST_OPPOSED = 0.4;
     /// Cost over the chosen set's above which a set is no tie, whatever is predicted.
     TIED_COST = 1.1;
-    /// Seconds of experiment after whose simulation sets only grow, and no further looks are taken: 1500 times the 400 s of fit
-    /// runs that a bench's hour has, some 75 s of two cores.
+    /// Seconds of experiment after whose simulation sets only grow, and no further looks are taken: some 75 s of two cores on
+    /// a bench, where a set that explains the runs is found in a fifth of that.
     LONG_SEARCH_S = 600_000.0;
     /// Effects in a set: a rig with more unknowns needs other experiments first.
     MOST_EFFECTS = 4.0;

@@ -1,0 +1,137 @@
+//! Fits of the sets that a search plans: first under the observer, then the best of them in open loop, and under the base
+//! model's other discrete choices where none explains everything.
+
+use super::compare::is_seen;
+use super::policy::{FOLLOWERS, FOLLOWERS_DEAR, LEADERS, RIVAL_COST};
+use super::screen::{Known, Plan};
+use super::search::{Observed, Search};
+use super::{Candidate, Progress};
+use crate::fit::{EQUAL_COST, Fit};
+use rayon::prelude::*;
+
+impl Search<'_> {
+    /// Fits plans beside a set that were not fitted yet, first under the observer, then the best of them in open loop; the
+    /// indices of all that were. `beside` is the set as it is under the observer: what leaves more there than without the
+    /// effect started in the wrong place. Where a set that explains everything is there already, `to_beat` is its cost
+    /// under the observer, and rivals alone are fitted.
+    pub(super) fn fit_all(
+        &mut self,
+        near: &Candidate,
+        beside: Option<&Candidate>,
+        plans: Vec<Plan>,
+        to_beat: Option<f64>,
+    ) -> Vec<usize> {
+        let with = |added: &[String]| self.set_with(near, added);
+        let job = |added: &[String], start: Known| -> (Vec<String>, Known) {
+            (with(added), near.known().into_iter().chain(start).collect())
+        };
+        let new = |(set, _): &(Vec<String>, Known)| self.tried.iter().all(|t| t.effects != *set);
+        let known: Vec<usize> = plans
+            .iter()
+            .filter_map(|p| self.tried.iter().position(|t| t.effects == with(&p.added)))
+            .collect();
+        let jobs: Vec<_> = plans.into_iter().map(|p| job(&p.added, p.start)).filter(new).collect();
+        let (models, first) = (&self.models, self.tried.len());
+        (self.progress)(Progress::Fitting { sets: jobs.iter().map(|(set, _)| set.clone()).collect() });
+        let observed =
+            beside.map_or_else(|| vec![None; jobs.len()], |beside| models.observed_fits(beside, &jobs));
+        let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =
+            jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
+        if let Some(beside) = beside {
+            self.observed.extend(ranked.iter().filter_map(|(set, _, fit)| {
+                let fit = fit.as_ref()?;
+                let known = fit.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
+                let gains = is_seen(&beside.fit, fit);
+                Some(Observed { effects: set.clone(), cost: fit.cost, known, gains })
+            }));
+        }
+        let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
+        // Without an observer they stay in the order of what they promise.
+        ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
+        if let Some(beside) = beside {
+            ranked.retain(|(.., fit)| cost(fit) < beside.fit.cost);
+        }
+        let least =
+            ranked.first().map_or(f64::INFINITY, |r| cost(&r.2)).min(to_beat.unwrap_or(f64::INFINITY));
+        if to_beat.is_some() {
+            ranked.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
+        }
+        let wave = |near: &Candidate, jobs: &[(Vec<String>, Known, Option<Fit>)]| -> Vec<Candidate> {
+            let fitted: Vec<Option<Candidate>> = jobs
+                .par_iter()
+                .map(|(set, known, fit)| models.fitted(near, set, known, fit.as_ref()))
+                .collect();
+            fitted.into_iter().flatten().collect()
+        };
+        let leaders = if models.dear { 1 } else { LEADERS as usize }.min(ranked.len());
+        let mut fitted = wave(near, &ranked[..leaders]);
+        models.finish_best(&mut fitted);
+        let chose = self.choose_again(&mut fitted);
+        // Rivals have the same right to another choice.
+        let each = |all: &mut Vec<Candidate>| {
+            all.par_iter_mut().for_each(|c| *c = models.settled(c.clone()).0);
+        };
+        if chose {
+            each(&mut fitted);
+        }
+        // Where derivatives are taken over, those of a set that explains more serve the others better.
+        let lead = fitted.first().filter(|lead| models.dear && lead.fit.cost < near.fit.cost);
+        let near = lead.cloned().unwrap_or_else(|| near.clone());
+        let settled = to_beat.is_some() || fitted.iter().any(|c| models.is_settled(c, &self.tried[0]));
+        let mut rest: Vec<_> = ranked.drain(leaders..).collect();
+        if settled {
+            rest.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
+        } else {
+            rest.truncate(if self.models.dear { FOLLOWERS_DEAR } else { FOLLOWERS } as usize);
+        }
+        let mut rest = wave(&near, &rest);
+        if chose && settled {
+            each(&mut rest);
+        }
+        if !settled {
+            models.finish_best(&mut rest);
+        }
+        fitted.extend(rest);
+        let least = |n: &Candidate| (n.effects.len(), n.fit.cost);
+        let fewest = fitted.iter_mut().reduce(|a, b| if least(b) < least(a) { b } else { a });
+        if let Some(fewest) = fewest.filter(|_| !settled && !models.dear) {
+            // A choice that is wrong beside it may look like one effect more.
+            self.with_its_choice(fewest);
+        }
+        self.tried.extend(fitted);
+        known.into_iter().chain(first..self.tried.len()).collect()
+    }
+
+    /// Fits the lowest of some sets under the base model's other discrete choices where none explains everything: a choice
+    /// that was made while something was missing leaves what no further effect takes. Returns whether another one is better.
+    fn choose_again(&self, fitted: &mut [Candidate]) -> bool {
+        if self.models.dear || fitted.iter().any(|c| self.models.is_settled(c, &self.tried[0])) {
+            return false;
+        }
+        let best = fitted.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
+        best.is_some_and(|best| self.with_its_choice(best))
+    }
+
+    /// Fits a set under the base model's other discrete choices; whether another one is better.
+    fn with_its_choice(&self, set: &mut Candidate) -> bool {
+        let before = set.fit.cost;
+        *set = self.models.settled(set.clone()).0;
+        set.fit.cost < before - EQUAL_COST
+    }
+
+    /// Fits a set that leaves something again, as [`Models::grown`] from the one that it grew from: what rests at the wrong
+    /// values misleads all that is added to it.
+    pub(super) fn fit_from_every_start(&mut self, index: usize, from: usize) {
+        let (set, near) = (&self.tried[index], &self.tried[from]);
+        if self.models.dear || self.is_long() || self.models.is_settled(set, &self.tried[0]) {
+            return;
+        }
+        let added: Vec<String> = set.effects.iter().filter(|e| !near.effects.contains(e)).cloned().collect();
+        let again = self.models.grown(near, &added).filter(|again| again.fit.cost < set.fit.cost);
+        let effects = set.effects.clone();
+        if let Some(again) = again {
+            // The members stand in the catalogue's order.
+            self.tried[index] = self.models.reordered(again, &effects);
+        }
+    }
+}

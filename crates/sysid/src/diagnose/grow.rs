@@ -1,0 +1,63 @@
+//! Sets grown one effect at a time, each from its most promising starting values.
+
+use super::policy::STARTS;
+use super::refine::{Models, with_nominal_base};
+use super::screen::{Known, screen};
+use super::{Candidate, values_by_name, with_effects};
+use crate::fit::{self, Difference};
+
+impl Models<'_> {
+    /// A set with one more effect, from its most promising starting values and from its guess; the lower of the fits.
+    #[must_use]
+    pub fn with_one_more(&self, near: &Candidate, effect: &str) -> Option<Candidate> {
+        let cards: Vec<_> = near.model.effects(&self.seen).into_iter().filter(|c| c.id == effect).collect();
+        let mut effects = near.effects.clone();
+        effects.push(effect.to_owned());
+        let known = near.known();
+        let beside = self.observing(near, &with_nominal_base(self.exact, &known));
+        let looks = [beside.as_ref(), Some(near)].into_iter().flatten();
+        let starts =
+            looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
+        let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
+        let fitted = starts.into_iter().filter_map(|start| {
+            let known: Known = known.iter().cloned().chain(start).collect();
+            let observed = beside.as_ref().and_then(|beside| {
+                self.observed_fits(beside, &[(effects.clone(), known.clone())]).pop().flatten()
+            });
+            self.fitted(near, &effects, &known, observed.as_ref())
+        });
+        fitted.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
+    }
+
+    /// A candidate with more effects, grown one by one in either order, as what an effect shows may depend on another one
+    /// being there already; the lowest fit. `None` if nothing can be simulated.
+    #[must_use]
+    pub(super) fn grown(&self, near: &Candidate, added: &[String]) -> Option<Candidate> {
+        let backwards: Vec<String> = added.iter().rev().cloned().collect();
+        let orders = if added.len() > 1 { vec![added.to_vec(), backwards] } else { vec![added.to_vec()] };
+        let grown = orders.into_iter().filter_map(|order| {
+            order.iter().try_fold(near.clone(), |grown, effect| self.with_one_more(&grown, effect))
+        });
+        grown.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
+    }
+
+    /// The candidate with its effects in another order; as it is if that cannot be simulated.
+    #[must_use]
+    pub(super) fn reordered(&self, candidate: Candidate, effects: &[String]) -> Candidate {
+        let again = || {
+            let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
+            let values = values_by_name(model.as_ref(), &candidate.known());
+            let fit = fit::at_values(self.data, model.as_ref(), &values, Difference::Forward).ok()?;
+            Some(Candidate { effects: effects.to_vec(), model, fit, ..candidate.clone() })
+        };
+        again().unwrap_or(candidate)
+    }
+
+    /// The base model with effects, grown one by one and fitted to the end. `None` if nothing can be simulated.
+    #[must_use]
+    pub fn with_effects(&self, base: &Candidate, effects: &[String]) -> Option<Candidate> {
+        let best = self.grown(base, effects)?;
+        let (settled, _) = self.settled(best);
+        Some(self.polished(&self.reordered(settled, effects)))
+    }
+}
