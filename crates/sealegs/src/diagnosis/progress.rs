@@ -2,6 +2,9 @@
 
 use sealegs_sysid::diagnose::Progress;
 
+/// Sets that a line of progress names.
+const NAMED: usize = 3;
+
 /// What is being done, in a few words.
 #[must_use]
 pub fn message(progress: &Progress) -> String {
@@ -13,9 +16,14 @@ pub fn message(progress: &Progress) -> String {
         }
         Progress::Screening { beside } => format!("screening beside {}", beside.join(" + ")),
         Progress::Fitting { sets } => {
-            let names: Vec<String> = sets.iter().map(|s| s.join(" + ")).collect();
-            format!("fitting {} sets: {}", sets.len(), names.join(", "))
+            let names: Vec<String> = sets.iter().take(NAMED).map(|s| s.join(" + ")).collect();
+            let more = match sets.len().saturating_sub(NAMED) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            format!("fitting {} sets: {}{more}", sets.len(), names.join(", "))
         }
+        Progress::Curves => "fitting the curve that is missing at a port".to_owned(),
         Progress::Judging => "scoring the held-out runs".to_owned(),
     }
 }

@@ -1,11 +1,11 @@
 //! Fits of the sets that a search plans: first under the observer, then the best of them in open loop, and under the base
 //! model's other discrete choices where none explains everything.
 
+use super::Candidate;
 use super::compare::is_seen;
 use super::policy::{FOLLOWERS, FOLLOWERS_DEAR, LEADERS, RIVAL_COST};
 use super::screen::{Known, Plan};
 use super::search::{Observed, Search};
-use super::{Candidate, Progress};
 use crate::fit::{EQUAL_COST, Fit};
 use rayon::prelude::*;
 
@@ -32,7 +32,7 @@ impl Search<'_> {
             .collect();
         let jobs: Vec<_> = plans.into_iter().map(|p| job(&p.added, p.start)).filter(new).collect();
         let (models, first) = (&self.models, self.tried.len());
-        (self.progress)(Progress::Fitting { sets: jobs.iter().map(|(set, _)| set.clone()).collect() });
+        self.say_fitted(jobs.iter().map(|(set, _)| set.clone()).collect());
         let observed =
             beside.map_or_else(|| vec![None; jobs.len()], |beside| models.observed_fits(beside, &jobs));
         let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =

@@ -74,6 +74,8 @@ pub enum Progress {
         /// The sets.
         sets: Vec<Vec<String>>,
     },
+    /// Curves are fitted at the ports where something is missing.
+    Curves,
     /// The holdout runs judge.
     Judging,
 }
@@ -154,6 +156,7 @@ pub fn diagnose(
     } else {
         Vec::new()
     };
+    progress(Progress::Curves);
     found.laws = free_form::look(&models, &mut found, &ports, &ports_after);
     for law in &found.laws {
         let ports = if law.beside == 0 { &mut ports } else { &mut ports_after };

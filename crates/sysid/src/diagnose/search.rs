@@ -121,9 +121,7 @@ impl Search<'_> {
         let cards = addable(base.model.as_ref(), &models.seen, &self.admitted);
         let mut promises = self.at(&base, &cards).promises;
         promises.retain(|p| self.tried.iter().all(|t| t.effects != std::slice::from_ref(&p.effect)));
-        (self.progress)(Progress::Fitting {
-            sets: promises.iter().map(|p| vec![p.effect.clone()]).collect(),
-        });
+        self.say_fitted(promises.iter().map(|p| vec![p.effect.clone()]).collect());
         let from = |p: &Promise| {
             let known: Known = base.known().into_iter().chain(p.start.iter().cloned()).collect();
             self.models.fitted(&base, std::slice::from_ref(&p.effect), &known, None)
@@ -139,6 +137,13 @@ impl Search<'_> {
         self.tried.extend(fitted);
         let indices: Vec<usize> = (first..self.tried.len()).collect();
         self.best_of(&indices, best)
+    }
+
+    /// Says which sets are fitted, if any are.
+    pub(super) fn say_fitted(&self, sets: Vec<Vec<String>>) {
+        if !sets.is_empty() {
+            (self.progress)(Progress::Fitting { sets });
+        }
     }
 
     /// Fits what screening promises beside a set; the indices.
@@ -193,7 +198,7 @@ impl Search<'_> {
                 }
             }
         }
-        (self.progress)(Progress::Fitting { sets: sets.iter().map(|(set, _)| set.clone()).collect() });
+        self.say_fitted(sets.iter().map(|(set, _)| set.clone()).collect());
         let mut indices = Vec::new();
         for fitted in self.models.scattered(&near, &sets) {
             indices.push(self.kept(fitted));
