@@ -119,6 +119,10 @@ fn the_tour_names_what_is_hidden_and_leaves_its_files() {
     assert_eq!(said(&verdict), hidden("leg-drop"));
     let (before, after) = (&verdict["base"]["holdout_error"], &verdict["after"]["holdout_error"]);
     assert!(after.as_f64().unwrap() < 0.5 * before.as_f64().unwrap(), "{before} {after}");
+    // A worn sole is felt by the ground: the tour is to show that it matters.
+    let peak = |file: &str| json(&tour.join(file))["rows"][1]["ground_force_n"].as_f64().unwrap();
+    let (before, after) = (peak("5-impact-before.json"), peak("5-impact-after.json"));
+    assert!((after / before - 1.0).abs() > 0.1, "{before} {after}");
     for file in [
         "1-drop.rrd",
         "2-compare.html",

@@ -4,6 +4,7 @@ use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here}
 use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
+use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_leg::bench::{RobotFile, RobotModel};
@@ -12,6 +13,10 @@ use sealegs_sysid::Campaign;
 use sealegs_sysid::diagnose::{Experiment, Limits};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// What a campaign on a robot takes as a model.
+const NEEDED: &str = "a model file with `robot = \"ROBOT.urdf\"` and `actuator = \"DRIVE.toml\"`, or a URDF whose drives are \
+                      the campaign's; without any it takes its own";
 
 /// The robot of a campaign, or of the model file `model`, with the user's own effects beside the catalogue's.
 ///
@@ -30,6 +35,11 @@ pub fn of_source(
     let without_drive = |urdf: &str| {
         campaign.bad_model(format!("'{urdf}' is a URDF: 'actuator' must name the drive of its joints"))
     };
+    let wrong = |campaign: &Campaign| Error::WrongModel {
+        model: model.label(campaign),
+        bench: campaign.bench.as_str(),
+        needed: NEEDED,
+    };
     let file = match model {
         // A URDF alone has the drives that the campaign names.
         ModelSource::File(path) if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf")) => {
@@ -39,13 +49,16 @@ pub fn of_source(
             }
             RobotFile::of_urdf(&urdf, &campaign.actuator, campaign.folder())
         }
-        ModelSource::File(path) => RobotFile::load(path)?,
+        ModelSource::File(path) => {
+            let is_drive = || ActuatorSpec::load(&path.display().to_string(), None).is_ok();
+            match RobotFile::load(path) {
+                // A drive alone says nothing of the links that it moves.
+                Err(_) if is_drive() => return Err(wrong(campaign)),
+                loaded => loaded?,
+            }
+        }
         ModelSource::Actuator(_) | ModelSource::Scenario(_) => {
-            return Err(Error::WrongModel {
-                model: model.label(campaign),
-                bench: campaign.bench.as_str(),
-                needed: "a robot's model file",
-            });
+            return Err(wrong(campaign));
         }
         ModelSource::Campaign if is_model_file(&stated) => RobotFile::load(&campaign.folder().join(&stated))
             .map_err(|e| campaign.bad_model(e.to_string()))?,

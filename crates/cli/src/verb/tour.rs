@@ -82,8 +82,8 @@ pub fn run(arguments: &Tour) -> anyhow::Result<u8> {
         step("5. How the missing effect changes the predicted impact forces.", &command)?;
         let before = drops(MODEL, &folder.join("5-impact-before.json"))?;
         let after = drops(&better.to_string_lossy(), &folder.join("5-impact-after.json"))?;
-        let actuator = first.split('/').next().unwrap_or_default();
-        let peaks = peaks(&before, &after, actuator);
+        let place = first.split('/').next().unwrap_or_default();
+        let peaks = peaks(&before, &after, place);
         Destination::new(&folder.join("5-impact.html"))?
             .write(impact_page(&peaks, &outcome.effects).as_bytes())?;
         impact = Some(lines(&peaks));
@@ -175,7 +175,13 @@ impl Peak {
 }
 
 /// The peak forces of the ground and of the actuator that was named, drop by drop.
-fn peaks(before: &ImpactTable, after: &ImpactTable, actuator: &str) -> Vec<Peak> {
+///
+/// Beside the ground's force they are those of the actuator where the effect is, or of the one that bears most.
+fn peaks(before: &ImpactTable, after: &ImpactTable, place: &str) -> Vec<Peak> {
+    let actuators = || before.rows.iter().flat_map(|row| &row.actuators);
+    let most = actuators().reduce(|a, b| if b.force_1_n.abs() > a.force_1_n.abs() { b } else { a });
+    let there = actuators().find(|actuator| actuator.name == place).or(most);
+    let actuator = there.map_or("", |actuator| &actuator.name);
     let mut peaks = Vec::new();
     for (b, a) in before.rows.iter().zip(&after.rows) {
         let mut peak = |what: &str, before_n: f64, after_n: f64| {
@@ -242,25 +248,7 @@ fn impact_page(peaks: &[Peak], effects: &[String]) -> String {
 /// The page that sums the tour up.
 fn summary(outcome: &Outcome, impact: Option<&str>, seconds: f64) -> String {
     let mut page = String::from("# The loop on a leg's drop\n\n");
-    let missing = match outcome.effects.as_slice() {
-        [] => String::new(),
-        effects => format!(", missing: **{}**", effects.join(" + ")),
-    };
-    let _ = writeln!(page, "Verdict: **{}**{missing}.", outcome.verdict);
-    let after = outcome.after.as_ref();
-    let _ = writeln!(
-        page,
-        "Error on drops that were never fitted, in units of the sensors' noise: {:.2} with the model as it was, {} with \
-         what was missing (noise floor {:.2}).\n",
-        outcome.base.holdout_error,
-        after.map_or("-".to_owned(), |a| format!("{:.2}", a.holdout_error)),
-        outcome.noise_floor
-    );
-    for p in after.iter().flat_map(|a| &a.parameters).filter(|p| p.name.contains('.')) {
-        if let Some(std) = p.std {
-            let _ = writeln!(page, "- {}: {:.4} ± {std:.2} {}", p.name, p.value, p.unit);
-        }
-    }
+    let _ = writeln!(page, "{}", outcome.sentence);
     if let Some(impact) = impact {
         let _ = writeln!(page, "\nWhat it changes in predicted impacts:\n\n{impact}");
     }

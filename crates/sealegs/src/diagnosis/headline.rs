@@ -5,7 +5,7 @@ use super::outcome::{Outcome, ParameterValue, percent};
 use super::text::{another_name, other_conventions};
 use crate::report::force;
 use crate::report::units::{capital, error, symbol, with_interval};
-use sealegs_recorder::chart::{Axis, Bar, BarChart, Hue};
+use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Hue};
 use sealegs_recorder::report::{Answer, Report, Tone};
 
 /// Values of effects that the headline shows.
@@ -256,7 +256,9 @@ fn judged(o: &Outcome) -> Vec<String> {
 }
 
 /// The first screen.
-pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str) {
+///
+/// `foremost` is the channel that improved most, drawn where no missing force is.
+pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str, foremost: Option<&Chart>) {
     let (tone, certainty) = match o.confidence.level {
         Level::Sure => (Tone::Good, "Sure"),
         Level::Reserved => (Tone::Caution, "With reservations"),
@@ -272,12 +274,17 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str) {
         page.answer(tone, &answer);
         let ladder = ladder(o);
         let rungs = "Root mean square residual over the noise of each channel; the held-out runs took no part in the search.";
-        match &o.missing_force {
-            Some(missing) => {
+        match (&o.missing_force, foremost) {
+            (Some(missing), _) => {
                 let (chart, caption) = (force::chart(missing), force::caption(missing, &o.effects));
                 page.side_by_side(&[(&ladder, rungs), (&chart, &caption)]);
             }
-            None => {
+            (None, Some(chart)) => {
+                let measured = "Measured, and the model before and after, in the channel that improved most, of those at the \
+                                effect's place if one did; above it its error in noise units.";
+                page.side_by_side(&[(&ladder, rungs), (chart, measured)]);
+            }
+            (None, None) => {
                 page.side_by_side(&[(&ladder, rungs)]);
                 page.remark("No missing force is drawn: the runs measure no motion that an observer could follow, or what is missing depends on \
                      none of the signals that were tried.");
@@ -390,7 +397,7 @@ mod tests {
 
     fn html(o: &Outcome) -> String {
         let mut page = Report::new("toy");
-        screen(&mut page, o, "sealegs diagnose data/toy --report r.html");
+        screen(&mut page, o, "sealegs diagnose data/toy --report r.html", None);
         page.to_html()
     }
 

@@ -22,13 +22,17 @@ pub fn of(story: &Story) -> String {
     let what = if outcome.verdict == "added" { "a better model" } else { "which effect is missing" };
     let mut page = Report::new(&format!("{}: {what}", outcome.campaign));
     page.wide().subtitle(&outcome.provenance.model);
-    headline::screen(&mut page, outcome, &story.command);
+    let models = fails::Models { before: figures::BEFORE, after: figures::AFTER };
+    let foremost = outcome
+        .after
+        .as_ref()
+        .and_then(|_| fails::foremost(&story.compared.parts, &models, &outcome.effects));
+    headline::screen(&mut page, outcome, &story.command, foremost.as_ref());
     crate::sanity::section(&mut page, &outcome.sanity);
     if let Some(units) = &outcome.units {
         units.section(&mut page, "before", outcome.after.as_ref().map(|_| "after"));
     }
     page.section("Where the model fails");
-    let models = fails::Models { before: figures::BEFORE, after: figures::AFTER };
     fails::map(&mut page, &story.compared.parts, &models);
     fails::multiples(&mut page, &story.compared.parts, &models);
     page.section("Details");

@@ -155,35 +155,47 @@ fn window(residual: &[f64]) -> std::ops::Range<usize> {
     at..at + ROWS
 }
 
+/// Measured and both models of a channel around its largest residual; `named` puts a legend into the picture.
+fn picture(s: &Shown, models: &Models, named: bool) -> Chart {
+    let r = &s.part.data.runs[s.run];
+    let measured = r.measured[s.slot];
+    let first = shown(s.part, &s.part.before, s.run, s.slot).unwrap_or_default();
+    let second = s.part.after.as_ref().and_then(|at| shown(s.part, at, s.run, s.slot));
+    let residual: Vec<f64> = measured.iter().zip(&first).map(|(m, p)| m - p).collect();
+    let rows = window(&residual);
+    let points = |v: &[f64]| -> Vec<(f64, f64)> {
+        rows.clone().filter(|i| *i < v.len()).map(|i| (r.record.time_s[i], v[i])).collect()
+    };
+    let errors = match s.after {
+        Some(after) => format!("{} → {}", error(s.before), error(after)),
+        None => error(s.before),
+    };
+    let role = if r.role == Role::Holdout { "h: " } else { "" };
+    let title = format!("{}, {role}{}: {errors}", s.channel, short(&r.record.name));
+    let name = |text: &'static str| if named { text } else { "" };
+    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", unit(&s.channel)))
+        .line(name("measured"), Hue::Ink, Dash::Solid, points(measured))
+        .line(name(models.before.0), models.before.1, models.before.2, points(&first));
+    match second {
+        Some(second) => chart.line(name(models.after.0), models.after.1, models.after.2, points(&second)),
+        None => chart,
+    }
+}
+
+/// The picture of the channel that improved most, of those at the places of effects if one of these improved; `None` where
+/// nothing was compared.
+pub(crate) fn foremost(parts: &[Part], models: &Models, effects: &[String]) -> Option<Chart> {
+    let improved = improved(parts);
+    let places: Vec<&str> =
+        effects.iter().filter_map(|e| e.split_once('/')).map(|(place, _)| place).collect();
+    let is_there = |s: &&Shown| s.channel.split_once('.').is_some_and(|(place, _)| places.contains(&place));
+    let first = improved.iter().find(is_there).or_else(|| improved.first())?;
+    Some(picture(first, models, true))
+}
+
 /// Measured and both models, a small picture for each of the channels that improved most.
 pub(crate) fn multiples(page: &mut Report, parts: &[Part], models: &Models) {
-    let charts: Vec<Chart> = improved(parts)
-        .iter()
-        .map(|s| {
-            let r = &s.part.data.runs[s.run];
-            let measured = r.measured[s.slot];
-            let first = shown(s.part, &s.part.before, s.run, s.slot).unwrap_or_default();
-            let second = s.part.after.as_ref().and_then(|at| shown(s.part, at, s.run, s.slot));
-            let residual: Vec<f64> = measured.iter().zip(&first).map(|(m, p)| m - p).collect();
-            let rows = window(&residual);
-            let points = |v: &[f64]| -> Vec<(f64, f64)> {
-                rows.clone().filter(|i| *i < v.len()).map(|i| (r.record.time_s[i], v[i])).collect()
-            };
-            let errors = match s.after {
-                Some(after) => format!("{} → {}", error(s.before), error(after)),
-                None => error(s.before),
-            };
-            let role = if r.role == Role::Holdout { "h: " } else { "" };
-            let title = format!("{}, {role}{}: {errors}", s.channel, short(&r.record.name));
-            let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", unit(&s.channel)))
-                .line("", Hue::Ink, Dash::Solid, points(measured))
-                .line("", models.before.1, models.before.2, points(&first));
-            match second {
-                Some(second) => chart.line("", models.after.1, models.after.2, points(&second)),
-                None => chart,
-            }
-        })
-        .collect();
+    let charts: Vec<Chart> = improved(parts).iter().map(|s| picture(s, models, false)).collect();
     let pictures: Vec<&dyn Picture> = charts.iter().map(|c| c as &dyn Picture).collect();
     let key = |look: Look| (look.0, look.1, look.2);
     let mut keys = vec![("measured", Hue::Ink, Dash::Solid), key(models.before)];
