@@ -494,6 +494,13 @@ mod tests {
             o.ranking[0].holdout_error = 1.25;
         };
         assert!((gap(&changed(&stays)).unwrap() - 5e-6).abs() < 1e-12);
+        // Beside another law that gains nothing on left-out stretches a named one may only have lost a part.
+        let no_gain = changed(&|o| {
+            stays(o);
+            let own = Ranked { effects: o.effects.clone(), evidence: 13.0, ..o.ranking[0].clone() };
+            o.ranking.push(own);
+        });
+        assert_eq!(gap(&no_gain), Some(0.2e-6));
         let worse = changed(&|o| {
             error(o, 1.2);
             o.ranking[0].holdout_error = 1.4;

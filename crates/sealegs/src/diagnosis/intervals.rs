@@ -8,8 +8,8 @@ use super::outcome::{Outcome, ParameterValue};
 const AS_GOOD: f64 = 1.1;
 
 /// Widens intervals to cover the values under conventions of the log that these runs leave open, and those of a verdict that
-/// something speaks against to cover the values of other sets that hold the named effects and predict as well; withholds those of the effects where a parameter of the base model ended where it should
-/// not: what drove it there has driven them.
+/// something speaks against to cover the values of other sets that hold the named effects and predict as well; withholds
+/// those of the effects where a parameter of the base model ended where it should not: what drove it there has driven them.
 pub(super) fn make_honest(o: &mut Outcome) {
     let stays = o.stays();
     if let Some(after) = o.after.as_mut() {
@@ -18,12 +18,14 @@ pub(super) fn make_honest(o: &mut Outcome) {
         }
     }
     let Some(after) = o.after.as_mut().filter(|_| o.confidence.intervals_conditional) else { return };
+    let own = o.ranking.iter().find(|r| r.effects == o.effects).map_or(f64::NEG_INFINITY, |r| r.evidence);
     let holds = |set: &[String]| o.effects.iter().all(|effect| set.contains(effect)) && set != o.effects;
     let as_good = o
         .ranking
         .iter()
         .filter(|r| r.holdout_error <= AS_GOOD * after.holdout_error)
-        .filter(|r| holds(&r.effects) || o.indistinguishable.contains(&r.effects));
+        // A law beside a named one that predicts no better may only have taken a part of it.
+        .filter(|r| (holds(&r.effects) && r.evidence > own) || o.indistinguishable.contains(&r.effects));
     for other in as_good.flat_map(|r| &r.parameters) {
         widen(&mut after.parameters, &other.name, other.value);
     }
