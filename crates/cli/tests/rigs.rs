@@ -214,4 +214,12 @@ fn a_robots_columns_and_files_are_refused_by_name() {
         assert_eq!(said.0, Some(2), "{}", said.1);
         assert!(said.1.contains(part) && said.1.lines().count() == 1, "{part}: {}", said.1);
     }
+    // A drive's file where the robot's model belongs.
+    campaign(robot, drive, "good.csv");
+    write("drive.toml", include_str!("../../../assets/actuators/rigid-rotary.toml"));
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let done = sealegs(1, &["compare", &path("campaign.toml"), "--model", &path("drive.toml")]);
+    let error = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert_eq!(done.status.code(), Some(2), "{error}");
+    assert!(error.contains("drive.toml: a campaign on the robot bench needs a model file"), "{error}");
 }

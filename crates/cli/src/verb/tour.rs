@@ -174,9 +174,7 @@ impl Peak {
     }
 }
 
-/// The peak forces of the ground and of the actuator that was named, drop by drop.
-///
-/// Beside the ground's force they are those of the actuator where the effect is, or of the one that bears most.
+/// The peak forces of the ground and of an actuator, drop by drop: the one where the effect is, or else the one that bears most.
 fn peaks(before: &ImpactTable, after: &ImpactTable, place: &str) -> Vec<Peak> {
     let actuators = || before.rows.iter().flat_map(|row| &row.actuators);
     let most = actuators().reduce(|a, b| if b.force_1_n.abs() > a.force_1_n.abs() { b } else { a });

@@ -23,18 +23,18 @@ pub fn of(story: &Story) -> String {
     let mut page = Report::new(&format!("{}: {what}", outcome.campaign));
     page.wide().subtitle(&outcome.provenance.model);
     let models = fails::Models { before: figures::BEFORE, after: figures::AFTER };
-    let foremost = outcome
-        .after
-        .as_ref()
-        .and_then(|_| fails::foremost(&story.compared.parts, &models, &outcome.effects));
+    let parts = &story.compared.parts;
+    // Where the missing force is drawn, that is the picture; a channel says less.
+    let draws_channel = outcome.after.is_some() && outcome.missing_force.is_none();
+    let foremost = draws_channel.then(|| fails::foremost(parts, &models, &outcome.effects)).flatten();
     headline::screen(&mut page, outcome, &story.command, foremost.as_ref());
     crate::sanity::section(&mut page, &outcome.sanity);
     if let Some(units) = &outcome.units {
         units.section(&mut page, "before", outcome.after.as_ref().map(|_| "after"));
     }
     page.section("Where the model fails");
-    fails::map(&mut page, &story.compared.parts, &models);
-    fails::multiples(&mut page, &story.compared.parts, &models);
+    fails::map(&mut page, parts, &models);
+    fails::multiples(&mut page, parts, &models);
     page.section("Details");
     parameters(&mut page, outcome);
     ranking(&mut page, outcome);
