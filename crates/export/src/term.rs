@@ -158,7 +158,7 @@ impl Term {
             ("coulomb-friction", &[force]) => Self::Coulomb { force },
             ("presliding-friction", &[force, stiffness]) => Self::Presliding { force, stiffness },
             ("stribeck-friction", &[coulomb, at_rest, velocity]) => {
-                Self::Stribeck { coulomb, at_rest, velocity }
+                Self::Stribeck { coulomb, at_rest: at_rest.max(coulomb), velocity }
             }
             ("load-dependent-friction", &[coefficient]) => Self::LoadFriction { coefficient },
             ("direction-dependent-friction", &[force, asymmetry]) => {
@@ -216,7 +216,7 @@ impl Term {
     pub fn dry_friction(&self) -> Option<f64> {
         match *self {
             Self::Coulomb { force } => Some(force),
-            Self::Stribeck { coulomb, at_rest, .. } => Some(coulomb.max(at_rest)),
+            Self::Stribeck { at_rest, .. } => Some(at_rest),
             Self::Warming { force, .. } => Some(force),
             Self::LoadFriction { .. } | Self::ByPower { .. } | Self::Bound { .. } => Some(0.0),
             Self::DirectedFriction { force, asymmetry } => Some(force * (1.0 + asymmetry.abs())),

@@ -39,8 +39,8 @@ pub enum Factor {
     Command,
 }
 
-/// Straight lines between points. Beyond the first and the last a curve over a deflection or a sensor's value goes on as
-/// straight as it ends, any other one stays as it is there.
+/// Straight lines between points. Beyond the first and the last a curve over a place, a load or the time stays as it is there;
+/// any other one goes on as straight as it ends, as damping, a stiffness or a gain of the model does that shares its slope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Curve {
@@ -68,7 +68,7 @@ impl Curve {
     pub fn at(over: Over, x: &[f64], y: &[f64], at: f64) -> f64 {
         let mut k = x.partition_point(|knot| *knot <= at);
         if k == 0 || k == x.len() {
-            if !matches!(over, Over::Deflection | Over::Value) || x.len() < 2 {
+            if matches!(over, Over::Position | Over::Load | Over::Time) || x.len() < 2 {
                 return y[k.clamp(1, x.len()) - 1];
             }
             k = k.clamp(1, x.len() - 1);
@@ -111,7 +111,9 @@ mod tests {
     fn analytic_lines_between_points_and_level_or_straight_beyond() {
         let (x, y) = ([0.0, 1.0, 3.0], [2.0, 4.0, 0.0]);
         let over = |over| [-1.0, 0.0, 0.5, 2.0, 3.0, 4.0].map(|v| Curve::at(over, &x, &y, v));
-        assert_eq!(over(Over::Speed), [2.0, 2.0, 3.0, 2.0, 0.0, 0.0]);
-        assert_eq!(over(Over::Deflection), [0.0, 2.0, 3.0, 2.0, 0.0, -2.0]);
+        assert_eq!(over(Over::Position), [2.0, 2.0, 3.0, 2.0, 0.0, 0.0]);
+        for straight in [Over::Speed, Over::Deflection, Over::Command] {
+            assert_eq!(over(straight), [0.0, 2.0, 3.0, 2.0, 0.0, -2.0]);
+        }
     }
 }

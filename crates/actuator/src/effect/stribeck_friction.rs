@@ -39,7 +39,7 @@ impl Effect for StribeckFriction {
                     .to_owned(),
             reference: "R. Stribeck 1902; Armstrong-Helouvry et al. 1994, Automatica 30(7)".to_owned(),
             parameters,
-            symbols: "F_c: coulomb; F_s: static; v_s: stribeck_velocity; y': speed of the screw".to_owned(),
+            symbols: "F_c: coulomb; F_s: static, at least F_c; v_s: stribeck_velocity; y': speed of the screw".to_owned(),
             told_apart:
                 "Coulomb friction stays the same at every speed, this one falls as the speed rises from \
                          standstill. Slow reversals and fast motion in one campaign tell them apart."
@@ -56,7 +56,8 @@ impl Effect for StribeckFriction {
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         plant.laws.rotor_friction.push(Box::new(Stribeck {
             coulomb: values[0],
-            above: values[1] - values[0],
+            // A friction that rises with speed is another law.
+            above: (values[1] - values[0]).max(0.0),
             inverse_velocity: 1.0 / values[2],
         }));
     }
@@ -72,8 +73,7 @@ struct Stribeck {
 impl DryFriction for Stribeck {
     fn bound(&self, slip: &Slip) -> f64 {
         let ratio = slip.speed * self.inverse_velocity;
-        // Not below zero, whatever a search tries for the static level.
-        (self.coulomb + self.above * (-ratio * ratio).exp()).max(0.0)
+        self.coulomb + self.above * (-ratio * ratio).exp()
     }
 
     fn feels_load(&self) -> bool {
@@ -93,5 +93,14 @@ mod tests {
         assert_eq!(at(0.0), 45.0);
         assert!((at(0.004) - 20.0 - 25.0 / std::f64::consts::E).abs() < 1e-12);
         assert!((at(-0.1) - 20.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_static_level_below_the_coulomb_one_is_coulomb_friction() {
+        let mut plant = Plant::default();
+        StribeckFriction.install(&[20.0, 5.0, 4e-3], None, &mut plant);
+        let law = &plant.laws.rotor_friction[0];
+        let at = |speed: f64| law.bound(&Slip { speed, direction: 1.0, ..Slip::default() });
+        assert_eq!([at(0.0), at(0.002), at(0.1)], [20.0; 3]);
     }
 }

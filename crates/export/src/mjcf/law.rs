@@ -17,7 +17,7 @@ pub fn friction_bound(bench: &BenchDescription) -> Option<String> {
         }
         match *term {
             Term::Stribeck { coulomb, at_rest, velocity } => parts.push(format!(
-                "max(0.0, {} + {} * exp(-(speed / {}) ** 2))",
+                "{} + {} * exp(-(speed / {}) ** 2)",
                 num(coulomb),
                 num(at_rest - coulomb),
                 num(velocity)
