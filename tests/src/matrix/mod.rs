@@ -10,17 +10,15 @@ mod table;
 pub use stamp::stamp;
 pub use table::{error, table};
 
-use sealegs::bench_model;
-use sealegs::diagnosis::outcome;
+use sealegs::Options;
+use sealegs::diagnosis::outcome::{self, ParameterValue};
 use sealegs::jobs::JobList;
 use sealegs::mystery::score::{Score, is_said_of_the_log, score};
 use sealegs::mystery::trial::{Strength, visible};
 use sealegs::mystery::{Located, MissingSignal, located};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
-use sealegs_sysid::diagnose::Diagnosis;
-use sealegs_sysid::fit::FittedParameter;
-use sealegs_sysid::{Campaign, diagnose, sanity};
+use sealegs_sysid::Campaign;
 use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::path::Path;
@@ -251,16 +249,16 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     for (file, text) in made.files() {
         std::fs::write(place.join(file), text)?;
     }
-    let mut campaign = Campaign::read(&place)?;
-    let model = bench_model::of_campaign(&mut campaign, None, Vec::new())?;
     let started = Instant::now();
-    let found = diagnose::diagnose(&campaign, &model, &|_| ())?;
+    let diagnosis = sealegs::diagnose(&Campaign::read(&place)?, Options::new().force(true))?;
     outcome.seconds = Some(started.elapsed().as_secs_f64());
+    let (found, said) = (diagnosis.found(), diagnosis.outcome());
     let verdict = &found.verdict;
     let ids: Vec<String> = made.hidden.iter().map(|h| h.id.clone()).collect();
     let known = made.hidden.iter().all(|h| h.beyond.is_none());
     let kind = verdict.kind.as_str();
-    let log: Vec<String> = sanity::look(&campaign, &model)
+    let log: Vec<String> = said
+        .sanity
         .iter()
         .filter_map(|f| serde_json::to_value(f.problem).ok()?.as_str().map(str::to_owned))
         .collect();
@@ -272,7 +270,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     outcome.located = made.hidden.iter().find_map(|h| h.beyond).map(|beyond| {
         let truth = beyond.whereabouts();
         let depends_on: Vec<String> = truth.depends_on.iter().map(|d| (*d).to_owned()).collect();
-        located(truth.port, &depends_on, &missing_signals(&found))
+        located(truth.port, &depends_on, &missing_signals(said))
     });
     outcome.explained = verdict.law.as_ref().map(|law| law.explained);
     outcome.score = scored.to_string();
@@ -282,7 +280,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     outcome.base_error = Some(verdict.base.holdout_error);
     outcome.after_error = Some(verdict.after.holdout_error);
     if scored == Score::Right {
-        outcome.stated = stated(&made, &found.found.tried[verdict.after.index].fit.parameters)?;
+        outcome.stated = stated(&made, said.after.as_ref().map_or(&said.base.parameters, |a| &a.parameters))?;
         outcome.worst_parameter = outcome
             .stated
             .iter()
@@ -296,15 +294,15 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     Ok(outcome)
 }
 
-/// What a diagnosis states as missing, port by port, as `--json` says it.
-fn missing_signals(found: &Diagnosis) -> Vec<MissingSignal> {
-    let said = found.ports.iter().map(outcome::MissingSignal::of);
-    said.map(|s| MissingSignal { port: s.port, depends_on: s.depends_on }).collect()
+/// What a diagnosis states as missing, port by port.
+fn missing_signals(said: &outcome::Outcome) -> Vec<MissingSignal> {
+    let said = said.missing_signals.iter();
+    said.map(|s| MissingSignal { port: s.port.clone(), depends_on: s.depends_on.clone() }).collect()
 }
 
-/// The fitted values of what is known of a campaign. A choice of rounding is no quantity, and what the bench or
-/// the model file fixes has no interval.
-fn stated(made: &Made, fitted: &[FittedParameter]) -> Result<Vec<Stated>, Box<dyn Error>> {
+/// What is stated of what is known of a campaign. A choice of rounding is no quantity, and what the bench or the model file
+/// fixes, or is withheld, has no interval.
+fn stated(made: &Made, fitted: &[ParameterValue]) -> Result<Vec<Stated>, Box<dyn Error>> {
     let spec = ActuatorSpec::preset(made.actuator)?;
     let base =
         made.individual.base_parameters(&spec).into_iter().map(|(name, truth)| (name.to_owned(), truth));
@@ -316,8 +314,9 @@ fn stated(made: &Made, fitted: &[FittedParameter]) -> Result<Vec<Stated>, Box<dy
     Ok(base
         .chain(effects)
         .filter_map(|(name, truth)| {
-            let p = fitted.iter().find(|p| p.name == name && p.std > 0.0)?;
-            Some(Stated { name, truth, value: p.value, std: p.std })
+            let p = fitted.iter().find(|p| p.name == name)?;
+            let std = p.std.filter(|std| *std > 0.0)?;
+            Some(Stated { name, truth, value: p.value, std })
         })
         .collect())
 }

@@ -39,7 +39,9 @@ impl Effect for StribeckFriction {
                     .to_owned(),
             reference: "R. Stribeck 1902; Armstrong-Helouvry et al. 1994, Automatica 30(7)".to_owned(),
             parameters,
-            symbols: "F_c: coulomb; F_s: static, at least F_c; v_s: stribeck_velocity; y': speed of the screw".to_owned(),
+            symbols:
+                "F_c: coulomb; F_s: static, at least F_c; v_s: stribeck_velocity; y': speed of the screw"
+                    .to_owned(),
             told_apart:
                 "Coulomb friction stays the same at every speed, this one falls as the speed rises from \
                          standstill. Slow reversals and fast motion in one campaign tell them apart."

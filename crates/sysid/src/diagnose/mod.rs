@@ -4,9 +4,10 @@
 //! taken for a missing effect. An observer shows what is missing at each port (`missing`) and what that depends on
 //! (`dependence`). Effects are regressed on it ([`screen`]()), the promising sets fitted ([`Models`]), compared and
 //! exchanged on stretches of the fit runs (`search`); what the data do not tell from the best set is found (`rivals`). Where
-//! they leave something, curves at the ports are screened (`curves`) and fitted as any effect (`free_form`). Then, and only
+//! they leave something, what does not hold up across the fit runs leaves again (`across`), curves at the ports are screened (`curves`) and fitted as any effect (`free_form`). Then, and only
 //! then, the holdout runs are read, and judge once (`judge`).
 
+mod across;
 mod adapt;
 mod candidate;
 mod compare;
@@ -229,6 +230,7 @@ fn search<'a>(
     let best = search.run();
     search.confirm_rivals(best);
     let (chosen, mut tied) = search.ties(best);
+    let chosen = search.holding_up(chosen, &mut tied);
     let chosen = search.simplified(chosen, &mut tied);
     let chosen = search.in_parts(chosen, &mut tied);
     let search::Search { models, mut tried, promises, .. } = search;
@@ -236,7 +238,7 @@ fn search<'a>(
     tied.retain(|i| !same.contains(i));
     let (settled, others) = models.settled(tried[chosen].clone());
     tried[chosen] = settled;
-    for i in [0, chosen] {
+    for i in std::iter::once(0).chain(models.compared(&tried, chosen)) {
         if !tried[i].exact {
             tried[i] = models.polished(&tried[i]);
         }

@@ -134,7 +134,7 @@ impl<'a> Models<'a> {
         is_seen(&next.1, &best.1).then(|| best.0.clone())
     }
 
-    fn options(&self, model: &dyn Model, start: Vec<f64>, near: &Candidate) -> FitOptions {
+    pub(super) fn options(&self, model: &dyn Model, start: Vec<f64>, near: &Candidate) -> FitOptions {
         FitOptions {
             start: Some(start),
             starts: 1,

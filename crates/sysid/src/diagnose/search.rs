@@ -88,12 +88,14 @@ impl Search<'_> {
                 break;
             }
             self.fit_from_every_start(better, best);
-            best = better;
+            let before = std::mem::replace(&mut best, better);
             let rugged = self.refine_steps(best);
             if last {
                 return (best, true);
             }
-            if rugged {
+            // What is right about one run only is no ground for more.
+            let alone = self.tried[before].effects.is_empty();
+            if rugged || !(alone || self.holds_up_across(best, before)) {
                 break;
             }
         }

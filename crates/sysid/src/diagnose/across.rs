@@ -1,0 +1,182 @@
+//! What a set leaves of a fit run when it is fitted to the others: where something stays that no set explains, a law that
+//! only takes what is peculiar to one run leaves again.
+
+use super::nested::simpler_id;
+use super::policy::{EXPLAINED, FOLDS, STEPS_PER_SAMPLE, TIED_COST};
+use super::refine::Models;
+use super::screen::Known;
+use super::search::{Search, all_but};
+use super::{Candidate, values_by_name, with_effects};
+use crate::data::{Data, DataRun};
+use crate::fit;
+use rayon::prelude::*;
+
+/// Some fit runs, and the others.
+struct Fold<'a> {
+    rest: Data<'a>,
+    left_out: Data<'a>,
+}
+
+/// The fit runs in parts, each of which is left out once; none of a single run.
+fn folds<'a>(data: &Data<'a>) -> Vec<Fold<'a>> {
+    let parts = data.runs.len().min(FOLDS as usize);
+    let with = |runs: Vec<DataRun<'a>>| Data::from_parts(data.channels.clone(), runs, data.floor);
+    let fold = |part: usize| {
+        let numbered = data.runs.iter().cloned().enumerate();
+        let (left_out, rest): (Vec<_>, Vec<_>) = numbered.partition(|(i, _)| i % parts == part);
+        let runs = |numbered: Vec<(usize, DataRun<'a>)>| numbered.into_iter().map(|(_, run)| run).collect();
+        Fold { rest: with(runs(rest)), left_out: with(runs(left_out)) }
+    };
+    if parts < 2 { Vec::new() } else { (0..parts).map(fold).collect() }
+}
+
+impl Models<'_> {
+    /// Sum of squared residuals of runs that a set is not fitted to, over all folds, in open loop as the holdout runs will be
+    /// judged; infinite if it cannot be simulated.
+    fn left_of_others(&self, set: &Candidate, folds: &[Fold]) -> f64 {
+        let open = self.exact.coarser(STEPS_PER_SAMPLE);
+        let of_fold = |fold: &Fold| -> Option<f64> {
+            let model = with_effects(open.as_ref(), &set.effects, &self.seen).ok()?;
+            let start = values_by_name(model.as_ref(), &set.known());
+            let options = self.options(model.as_ref(), start, set);
+            let fit = fit::fit(&fold.rest, model.as_ref(), &options).ok()?;
+            let left = fold.left_out.judge(model.as_ref(), &fit.values, fit.sensors()).ok()?;
+            self.data.add_work(&fold.rest);
+            self.data.add_work(&fold.left_out);
+            Some(left.blocks.iter().flat_map(|b| &b.residual).map(|r| r * r).sum())
+        };
+        folds.iter().map(|fold| of_fold(fold).unwrap_or(f64::INFINITY)).sum()
+    }
+}
+
+impl Models<'_> {
+    /// The chosen set, and where it leaves something those without one of its members: what a member takes is judged on
+    /// holdout runs, between fits that are equally good.
+    pub(super) fn compared(&self, tried: &[Candidate], chosen: usize) -> Vec<usize> {
+        let effects = &tried[chosen].effects;
+        let leaves = tried[chosen].fit.error() > EXPLAINED * self.data.floor;
+        let parts = effects.iter().filter(|_| leaves && !self.dear && effects.len() > 1).filter_map(|e| {
+            let rest = all_but(effects, e);
+            tried.iter().position(|t| t.effects == rest)
+        });
+        std::iter::once(chosen).chain(parts).collect()
+    }
+}
+
+impl Search<'_> {
+    /// The chosen set, or a simpler one that predicts fit runs no worse that it is not fitted to: without a member, with a
+    /// simpler law in the place of one, or with an effect at the same port that has fewer parameters. Asked only where the
+    /// chosen one leaves something: what explains everything needs no other judge. Not on a leg, where a simulation is dear.
+    pub fn holding_up(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
+        let floor = self.models.data.floor;
+        let leaves = |set: &Candidate| set.fit.error() > EXPLAINED * floor;
+        if self.models.dear || self.tried[chosen].effects.is_empty() || !leaves(&self.tried[chosen]) {
+            return chosen;
+        }
+        let folds = folds(self.models.data);
+        if folds.is_empty() || self.is_explained(chosen) {
+            return chosen;
+        }
+        let mut left = self.models.left_of_others(&self.tried[chosen], &folds);
+        loop {
+            let simpler = self.simpler_sets(chosen);
+            let of_set = |&i: &usize| (i, self.models.left_of_others(&self.tried[i], &folds));
+            let mut judged: Vec<(usize, f64)> = simpler.par_iter().map(of_set).collect();
+            judged.sort_by(|a, b| a.1.total_cmp(&b.1));
+            match judged.first() {
+                Some(&(next, of_next)) if of_next <= TIED_COST * left => {
+                    (chosen, left) = (next, of_next);
+                    tied.clear();
+                }
+                _ => return chosen,
+            }
+        }
+    }
+
+    /// Whether a set predicts fit runs better that it is not fitted to than one with fewer effects does; also where that cannot
+    /// be told, or need not.
+    pub(super) fn holds_up_across(&self, more: usize, fewer: usize) -> bool {
+        if self.models.dear || self.is_explained(more) {
+            return true;
+        }
+        let folds = folds(self.models.data);
+        let left = |i: usize| self.models.left_of_others(&self.tried[i], &folds);
+        folds.is_empty() || left(more) < left(fewer)
+    }
+
+    /// Sets like one with fewer effects or fewer parameters, fitted now if they were not.
+    fn simpler_sets(&mut self, of: usize) -> Vec<usize> {
+        let set = self.tried[of].clone();
+        let cards = self.models.exact.effects(&self.models.seen);
+        let card = |id: &String| cards.iter().find(|c| c.id == *id);
+        let mut sets: Vec<(Vec<String>, Known)> = Vec::new();
+        for leaving in &set.effects {
+            let rest = Candidate { effects: all_but(&set.effects, leaving), ..set.clone() };
+            sets.push((rest.effects.clone(), set.known()));
+            let Some(own) = card(leaving) else { continue };
+            let simpler = own.becomes.as_ref().map(|law| simpler_id(own, law));
+            let at_port = self.promises.iter().filter(|p| {
+                let other = card(&p.effect);
+                other.is_some_and(|c| c.acts_on == own.acts_on && c.parameters.len() < own.parameters.len())
+            });
+            let starts = at_port.map(|p| (p.effect.clone(), p.start.clone()));
+            for (id, start) in starts.chain(simpler.into_iter().map(|id| (id, Known::new()))) {
+                let with = self.set_with(&rest, std::slice::from_ref(&id));
+                if self.admitted.contains(&id) && with.len() == set.effects.len() {
+                    sets.push((with, set.known().into_iter().chain(start).collect()));
+                }
+            }
+        }
+        sets.sort_by(|a, b| a.0.cmp(&b.0));
+        sets.dedup_by(|a, b| a.0 == b.0);
+        let (known, new): (Vec<_>, Vec<_>) =
+            sets.into_iter().partition(|(set, _)| self.tried.iter().any(|t| t.effects == *set));
+        self.say_fitted(new.iter().map(|(set, _)| set.clone()).collect());
+        let models = &self.models;
+        let fitted: Vec<Option<_>> =
+            new.par_iter().map(|(effects, known)| models.fitted(&set, effects, known, None)).collect();
+        let first = self.tried.len();
+        self.tried.extend(fitted.into_iter().flatten());
+        let index = |(set, _): (Vec<String>, Known)| self.tried.iter().position(|t| t.effects == set);
+        known.into_iter().filter_map(index).chain(first..self.tried.len()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Models, folds};
+    use crate::data::Data;
+    use crate::fit::{FitOptions, fit};
+    use crate::toy::{Toy, campaign, run};
+    use crate::{Role, diagnose::Candidate, diagnose::with_effects};
+
+    /// What the base model, and it with the toy's cubic sensor, leave of two runs whose force is so distorted, each predicted
+    /// from the other.
+    fn left(cubic: [f64; 2]) -> [f64; 2] {
+        let toy = Toy::new();
+        let records = cubic.iter().enumerate().map(|(i, a)| {
+            let mut record = run(&[1.0, 4.0, 400.0], 400, i as u64 + 1, (0.1, 1e-4), (1.0, 0.0), 1.0);
+            let force = record.outputs.iter_mut().find(|s| s.channel == "force_1_n").expect("a force");
+            force.values.iter_mut().for_each(|f| *f += a * f.powi(3));
+            (Role::Fit, record)
+        });
+        let campaign = campaign(records.collect(), (0.1, 1e-4));
+        let data = Data::new(&campaign, Some(Role::Fit), &toy).expect("fit runs");
+        let models = Models::new(&data, &toy);
+        let folds = folds(&data);
+        assert_eq!(folds.len(), 2);
+        [&[][..], &["cubic-sensor".to_owned()]].map(|effects| {
+            let model = with_effects(&toy, effects, &models.seen).expect("a model");
+            let at = fit(&data, model.as_ref(), &FitOptions::default()).expect("a fit");
+            models.left_of_others(&Candidate::exactly(&data, effects.to_vec(), model, at), &folds)
+        })
+    }
+
+    #[test]
+    fn a_law_of_all_runs_predicts_the_one_left_out_and_one_of_a_single_run_does_not() {
+        let [without, with] = left([1e-3, 1e-3]);
+        assert!(with < 0.5 * without, "{with} {without}");
+        let [without, with] = left([1e-3, -1e-3]);
+        assert!(with > without, "{with} {without}");
+    }
+}
