@@ -60,10 +60,21 @@ pub struct SimplerLaw {
     pub id: &'static str,
     /// Place among [`EffectCard::parameters`] of the one that says how far the two laws are apart.
     pub departure: usize,
-    /// Place of the one that it must equal for the simpler law; 0 is meant if there is none.
-    pub like: Option<usize>,
+    /// What that one is for the simpler law.
+    pub at: SimplerAt,
     /// Id, without a place, of the effect that makes up the departure beside the simpler law, where one does.
     pub beside: Option<&'static str>,
+}
+
+/// What a parameter of a richer law is where that is the simpler one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SimplerAt {
+    /// Zero.
+    Zero,
+    /// What the parameter at this place is.
+    Equal(usize),
+    /// Beyond any bound: what yields no longer.
+    Infinity,
 }
 
 /// Least, greatest and root-mean-square value of one signal over the runs at hand.

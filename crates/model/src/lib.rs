@@ -19,7 +19,7 @@ mod record;
 mod wrapper;
 
 pub use channel::{Unit, UnknownUnit};
-pub use effect::{EffectCard, Excitation, SignalRange, SimplerLaw};
+pub use effect::{EffectCard, Excitation, SignalRange, SimplerAt, SimplerLaw};
 pub use law::{Curve, Factor, Law, Over};
 pub use parameter::{Parameter, Scale};
 pub use record::{InputHold, Prediction, Record, Signal, internal};

@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
 use crate::plant::{ElastoSlip, Onset, Plant};
-use sealegs_model::EffectCard;
+use sealegs_model::{EffectCard, SimplerAt, SimplerLaw};
 
 /// Dry friction with hysteresis over the position before it slips.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ impl Effect for DahlFriction {
                    integral action at rest: the loop would hunt."
                 .to_owned(),
             passive: true,
-            becomes: None,
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, at: SimplerAt::Infinity, beside: None }),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
 use crate::plant::{DryFriction, Plant, Slip};
-use sealegs_model::{EffectCard, Parameter, SimplerLaw};
+use sealegs_model::{EffectCard, Parameter, SimplerAt, SimplerLaw};
 
 /// Dry friction that differs between lengthening and shortening.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ impl Effect for DirectionDependentFriction {
                          directional-efficiency changes its side with the load.".to_owned(),
             cure: "Look for misalignment, one-sided preload or a lip seal. Feed both levels forward.".to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None, beside: Some("output-offset") }),
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, at: SimplerAt::Zero, beside: Some("output-offset") }),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Setting, with_starts};
 use crate::plant::{DryFriction, Plant, Slip};
-use sealegs_model::{EffectCard, Parameter, SimplerLaw};
+use sealegs_model::{EffectCard, Parameter, SimplerAt, SimplerLaw};
 
 /// Friction proportional to the load, with one coefficient while driving it and another while driven by it.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ impl Effect for DirectionalEfficiency {
                    choose a greater lead or a smaller gear ratio: a screw that is hard to drive back protects \
                    nothing.".to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "load-dependent-friction", departure: 1, like: Some(0), beside: None }),
+            becomes: Some(SimplerLaw { id: "load-dependent-friction", departure: 1, at: SimplerAt::Equal(0), beside: None }),
         }
     }
 

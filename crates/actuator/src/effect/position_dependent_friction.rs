@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
 use crate::plant::{DryFriction, Plant, Slip};
-use sealegs_model::{EffectCard, Parameter, SimplerLaw};
+use sealegs_model::{EffectCard, Parameter, SimplerAt, SimplerLaw};
 use std::f64::consts::TAU;
 
 /// Shortest period that is tried, in turns of the screw, and the ratio of each to the one before.
@@ -60,7 +60,7 @@ impl Effect for PositionDependentFriction {
                    screw, clean and re-preload its nut."
                 .to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None, beside: None }),
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, at: SimplerAt::Zero, beside: None }),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
 use crate::plant::{ElastoSlip, Onset, Plant};
-use sealegs_model::EffectCard;
+use sealegs_model::{EffectCard, SimplerAt, SimplerLaw};
 
 /// Dry friction that yields elastically before it slips.
 #[derive(Debug)]
@@ -42,7 +42,12 @@ impl Effect for PreslidingFriction {
                 "Feed its elastic state forward. Avoid integral action while it sticks: the loop would hunt."
                     .to_owned(),
             passive: true,
-            becomes: None,
+            becomes: Some(SimplerLaw {
+                id: "coulomb-friction",
+                departure: 1,
+                at: SimplerAt::Infinity,
+                beside: None,
+            }),
         }
     }
 

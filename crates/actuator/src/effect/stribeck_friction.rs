@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
 use crate::plant::{DryFriction, Plant, Slip};
-use sealegs_model::{EffectCard, SimplerLaw};
+use sealegs_model::{EffectCard, SimplerAt, SimplerLaw};
 
 /// Dry friction that falls from a static to a Coulomb level as speed rises.
 #[derive(Debug)]
@@ -51,7 +51,12 @@ impl Effect for StribeckFriction {
                    slip under stiff position control."
                     .to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: Some(0), beside: None }),
+            becomes: Some(SimplerLaw {
+                id: "coulomb-friction",
+                departure: 1,
+                at: SimplerAt::Equal(0),
+                beside: None,
+            }),
         }
     }
 

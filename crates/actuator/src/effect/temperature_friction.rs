@@ -4,7 +4,7 @@ use super::Effect;
 use super::setting::{Quantity, Setting, with_starts};
 use crate::bench::TEMPERATURE;
 use crate::plant::{DryFriction, Plant, REFERENCE_TEMPERATURE_C, Slip};
-use sealegs_model::{EffectCard, Parameter, SimplerLaw};
+use sealegs_model::{EffectCard, Parameter, SimplerAt, SimplerLaw};
 
 /// Dry friction that falls with the logged temperature of the drive.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ impl Effect for TemperatureFriction {
                    lubricant whose viscosity changes less."
                 .to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None, beside: None }),
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, at: SimplerAt::Zero, beside: None }),
         }
     }
 

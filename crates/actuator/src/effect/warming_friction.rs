@@ -3,7 +3,7 @@
 use super::Effect;
 use super::setting::{Quantity, Setting, magnitude, with_starts};
 use crate::plant::{DryFriction, Plant, Slip};
-use sealegs_model::{EffectCard, Parameter, SimplerLaw};
+use sealegs_model::{EffectCard, Parameter, SimplerAt, SimplerLaw};
 
 /// Dry friction that falls as its own heat warms it.
 #[derive(Debug)]
@@ -38,7 +38,7 @@ impl Effect for WarmingFriction {
             cure: "Warm the drive up before measuring and before work, or schedule the feedforward by the \
                    temperature.".to_owned(),
             passive: true,
-            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, like: None, beside: None }),
+            becomes: Some(SimplerLaw { id: "coulomb-friction", departure: 1, at: SimplerAt::Zero, beside: None }),
         }
     }
 

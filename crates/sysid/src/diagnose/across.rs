@@ -49,48 +49,54 @@ impl Models<'_> {
     }
 }
 
-impl Models<'_> {
-    /// The chosen set, and where it leaves something those without one of its members: what a member takes is judged on
-    /// holdout runs, between fits that are equally good.
-    pub(super) fn compared(&self, tried: &[Candidate], chosen: usize) -> Vec<usize> {
-        let effects = &tried[chosen].effects;
-        let leaves = tried[chosen].fit.error() > EXPLAINED * self.data.floor;
-        let parts = effects.iter().filter(|_| leaves && !self.dear && effects.len() > 1).filter_map(|e| {
-            let rest = all_but(effects, e);
-            tried.iter().position(|t| t.effects == rest)
-        });
-        std::iter::once(chosen).chain(parts).collect()
-    }
-}
-
 impl Search<'_> {
-    /// The chosen set, or a simpler one that predicts fit runs no worse that it is not fitted to: without a member, with a
-    /// simpler law in the place of one, or with an effect at the same port that has fewer parameters. Asked only where the
-    /// chosen one leaves something: what explains everything needs no other judge. Not on a leg, where a simulation is dear.
-    pub fn holding_up(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
-        let floor = self.models.data.floor;
-        let leaves = |set: &Candidate| set.fit.error() > EXPLAINED * floor;
-        if self.models.dear || self.tried[chosen].effects.is_empty() || !leaves(&self.tried[chosen]) {
-            return chosen;
-        }
+    /// The chosen set, or a simpler one that does no worse on fit runs that it is not fitted to: without a member, with a
+    /// simpler law in the place of one, or with an effect at the same port that has fewer parameters. What it leaves of them
+    /// counts as much as what it leaves of stretches of the runs that it is fitted to: a few whole runs in open loop are a
+    /// judge with a wide spread. Asked only where the chosen one leaves something: what explains everything needs no other
+    /// judge. Not on a leg, where a simulation is dear.
+    pub(super) fn holding_up(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
         let folds = folds(self.models.data);
-        if folds.is_empty() || self.is_explained(chosen) {
+        if self.models.dear || !self.leaves_something(chosen) || folds.is_empty() {
             return chosen;
         }
-        let mut left = self.models.left_of_others(&self.tried[chosen], &folds);
+        let left = |search: &Self, i: usize| {
+            let set = &search.tried[i];
+            search.models.left_of_others(set, &folds) * set.validation.mean_square()
+        };
+        let mut least = left(self, chosen);
         loop {
             let simpler = self.simpler_sets(chosen);
-            let of_set = |&i: &usize| (i, self.models.left_of_others(&self.tried[i], &folds));
+            let of_set = |&i: &usize| (i, left(self, i));
             let mut judged: Vec<(usize, f64)> = simpler.par_iter().map(of_set).collect();
             judged.sort_by(|a, b| a.1.total_cmp(&b.1));
             match judged.first() {
-                Some(&(next, of_next)) if of_next <= TIED_COST * left => {
-                    (chosen, left) = (next, of_next);
+                Some(&(next, of_next)) if of_next <= TIED_COST * least => {
+                    (chosen, least) = (next, least.min(of_next));
                     tied.clear();
                 }
                 _ => return chosen,
             }
         }
+    }
+
+    /// Whether effects are chosen and leave something.
+    pub(super) fn leaves_something(&self, chosen: usize) -> bool {
+        let set = &self.tried[chosen];
+        let error = set.fit.error();
+        !set.effects.is_empty() && error > EXPLAINED * self.models.data.floor && !self.is_explained(chosen)
+    }
+
+    /// The chosen set, and where it leaves something those without one of its members: what a member takes is judged on
+    /// holdout runs, between fits that are equally good.
+    pub(super) fn compared(&self, chosen: usize) -> Vec<usize> {
+        let effects = &self.tried[chosen].effects;
+        let asked = self.leaves_something(chosen) && !self.models.dear && effects.len() > 1;
+        let parts = effects.iter().filter(|_| asked).filter_map(|leaving| {
+            let rest = all_but(effects, leaving);
+            self.tried.iter().position(|t| t.effects == rest)
+        });
+        std::iter::once(chosen).chain(parts).collect()
     }
 
     /// Whether a set predicts fit runs better that it is not fitted to than one with fewer effects does; also where that cannot

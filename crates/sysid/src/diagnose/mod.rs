@@ -233,16 +233,17 @@ fn search<'a>(
     let chosen = search.holding_up(chosen, &mut tied);
     let chosen = search.simplified(chosen, &mut tied);
     let chosen = search.in_parts(chosen, &mut tied);
-    let search::Search { models, mut tried, promises, .. } = search;
-    let same = models.by_another_name(&tried, chosen);
+    let same = search.models.by_another_name(&search.tried, chosen);
     tied.retain(|i| !same.contains(i));
-    let (settled, others) = models.settled(tried[chosen].clone());
-    tried[chosen] = settled;
-    for i in std::iter::once(0).chain(models.compared(&tried, chosen)) {
-        if !tried[i].exact {
-            tried[i] = models.polished(&tried[i]);
+    let (settled, others) = search.models.settled(search.tried[chosen].clone());
+    search.tried[chosen] = settled;
+    for i in std::iter::once(0).chain(search.compared(chosen)) {
+        if !search.tried[i].exact {
+            search.tried[i] = search.models.polished(&search.tried[i]);
         }
     }
-    let open = models.open_choices(&others, &tried[chosen]);
+    let open = search.models.open_choices(&others, &search.tried[chosen]);
+    let chosen = if search.leaves_something(chosen) { search.simplified(chosen, &mut tied) } else { chosen };
+    let search::Search { models, tried, promises, .. } = search;
     (Found { tried, chosen, tied, same, open, promises, laws: Vec::new(), base_as_searched }, models)
 }

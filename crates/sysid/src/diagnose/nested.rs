@@ -6,7 +6,7 @@ use super::candidate::symbol;
 use super::policy::TIED_COST;
 use super::refine::Models;
 use crate::fit::{EQUAL_COST, Signatures};
-use sealegs_model::{EffectCard, Scale, SimplerLaw};
+use sealegs_model::{EffectCard, Scale, SimplerAt, SimplerLaw};
 
 /// Departure of a richer law from the simpler one that it contains, as a share of its strength, that data must exclude for
 /// both to be the same.
@@ -59,11 +59,16 @@ impl Models<'_> {
         let own: Vec<usize> =
             (0..parameters.len()).filter(|&i| symbol(&parameters[i].name, &card.id).is_some()).collect();
         let mut departed = richer.fit.values.clone();
-        departed[own[law.departure]] =
-            law.like.map_or(DEPARTURE, |like| (1.0 + DEPARTURE) * departed[own[like]]);
+        let departs = own[law.departure];
+        departed[departs] = match law.at {
+            SimplerAt::Zero => DEPARTURE,
+            SimplerAt::Equal(like) => (1.0 + DEPARTURE) * departed[own[like]],
+            // Every value that is tried for it departs.
+            SimplerAt::Infinity => departed[departs],
+        };
         let mut places = vec![departed];
         for (&i, p) in own.iter().zip(&card.parameters) {
-            if p.scale == Scale::Logarithmic && i != own[law.departure] {
+            if p.scale == Scale::Logarithmic && (i != departs || law.at == SimplerAt::Infinity) {
                 let values = p.starts.iter().copied().chain([p.min, p.value]);
                 let at = |value: f64| {
                     places.iter().map(move |place| {

@@ -121,7 +121,7 @@ impl Search<'_> {
 
     /// The chosen set with a simpler law in the place of one that contains it (dry friction for one that differs between the
     /// directions), fitted from the chosen one's values: the simpler one is chosen and the richer one its tie unless the
-    /// richer one is clearly better.
+    /// richer one is clearly better. Of a chosen one that is fitted to the end the simpler one is, too.
     pub fn simplified(&mut self, chosen: usize, tied: &mut Vec<usize>) -> usize {
         let (floor, effects) = (self.models.data.floor, self.tried[chosen].effects.clone());
         let cards = self.models.exact.effects(&self.models.seen);
@@ -144,7 +144,10 @@ impl Search<'_> {
             let Some(fitted) = self.models.fitted(&self.tried[chosen], &set, &known, None) else { continue };
             let mut fitted = [fitted];
             self.models.finish_best(&mut fitted);
-            let [fitted] = fitted;
+            let [mut fitted] = fitted;
+            if self.tried[chosen].exact {
+                fitted = self.models.polished(&fitted);
+            }
             let index = self.kept(fitted);
             let (simple, richer) = (&self.tried[index], &self.tried[chosen]);
             if !clearly_better(simple, richer, floor) || self.is_unseen(simple, richer) {

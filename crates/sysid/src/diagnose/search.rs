@@ -409,11 +409,11 @@ impl Search<'_> {
         self.observing(&Candidate { effects: effects.to_vec(), ..set.clone() })
     }
 
-    /// The index of a fitted set: among those tried, where the better of two fits of one set stays.
+    /// The index of a fitted set: among those tried, where the better of two fits of one set stays, or one to the end.
     pub fn kept(&mut self, fitted: Candidate) -> usize {
         match self.tried.iter().position(|t| t.effects == fitted.effects) {
             Some(index) => {
-                if fitted.fit.cost < self.tried[index].fit.cost {
+                if fitted.exact || fitted.fit.cost < self.tried[index].fit.cost {
                     self.tried[index] = fitted;
                 }
                 index
