@@ -87,16 +87,25 @@ impl Search<'_> {
         !set.effects.is_empty() && error > EXPLAINED * self.models.data.floor && !self.is_explained(chosen)
     }
 
-    /// The chosen set, and where it leaves something those without one of its members: what a member takes is judged on
-    /// holdout runs, between fits that are equally good.
-    pub(super) fn compared(&self, chosen: usize) -> Vec<usize> {
+    /// Fits sets to the end that are not yet.
+    pub(super) fn finish(&mut self, sets: &[usize]) {
+        for &i in sets {
+            if !self.tried[i].exact {
+                self.tried[i] = self.models.polished(&self.tried[i]);
+            }
+        }
+    }
+
+    /// Where the chosen set leaves something, those without one of its members: what a member takes is judged on holdout runs,
+    /// between fits that are equally good.
+    pub(super) fn compared_with(&self, chosen: usize) -> Vec<usize> {
         let effects = &self.tried[chosen].effects;
         let asked = self.leaves_something(chosen) && !self.models.dear && effects.len() > 1;
-        let parts = effects.iter().filter(|_| asked).filter_map(|leaving| {
+        let rest = |leaving: &String| {
             let rest = all_but(effects, leaving);
             self.tried.iter().position(|t| t.effects == rest)
-        });
-        std::iter::once(chosen).chain(parts).collect()
+        };
+        effects.iter().filter(|_| asked).filter_map(rest).collect()
     }
 
     /// Whether a set predicts fit runs better that it is not fitted to than one with fewer effects does; also where that cannot

@@ -237,13 +237,10 @@ fn search<'a>(
     tied.retain(|i| !same.contains(i));
     let (settled, others) = search.models.settled(search.tried[chosen].clone());
     search.tried[chosen] = settled;
-    for i in std::iter::once(0).chain(search.compared(chosen)) {
-        if !search.tried[i].exact {
-            search.tried[i] = search.models.polished(&search.tried[i]);
-        }
-    }
+    search.finish(&[0, chosen]);
     let open = search.models.open_choices(&others, &search.tried[chosen]);
     let chosen = if search.leaves_something(chosen) { search.simplified(chosen, &mut tied) } else { chosen };
+    search.finish(&search.compared_with(chosen));
     let search::Search { models, tried, promises, .. } = search;
     (Found { tried, chosen, tied, same, open, promises, laws: Vec::new(), base_as_searched }, models)
 }
