@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_static_level_below_the_coulomb_one_is_coulomb_friction() {
-        let mut plant = Plant::default();
+        let mut plant = Plant::new(1.0, 1.0, 1.0, 1.0);
         StribeckFriction.install(&[20.0, 5.0, 4e-3], None, &mut plant);
         let law = &plant.laws.rotor_friction[0];
         let at = |speed: f64| law.bound(&Slip { speed, direction: 1.0, ..Slip::default() });

@@ -39,10 +39,12 @@ impl Models<'_> {
             let model = with_effects(open.as_ref(), &set.effects, &self.seen).ok()?;
             let start = values_by_name(model.as_ref(), &set.known());
             let options = self.options(model.as_ref(), start, set);
-            let fit = fit::fit(&fold.rest, model.as_ref(), &options).ok()?;
-            let left = fold.left_out.judge(model.as_ref(), &fit.values, fit.sensors()).ok()?;
-            self.data.add_work(&fold.rest);
-            self.data.add_work(&fold.left_out);
+            // A copy counts its own work from zero.
+            let (rest, left_out) = (fold.rest.clone(), fold.left_out.clone());
+            let fit = fit::fit(&rest, model.as_ref(), &options).ok()?;
+            let left = left_out.judge(model.as_ref(), &fit.values, fit.sensors()).ok()?;
+            self.data.add_work(&rest);
+            self.data.add_work(&left_out);
             Some(left.blocks.iter().flat_map(|b| &b.residual).map(|r| r * r).sum())
         };
         folds.iter().map(|fold| of_fold(fold).unwrap_or(f64::INFINITY)).sum()
