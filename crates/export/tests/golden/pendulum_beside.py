@@ -156,7 +156,7 @@ class Bench:
         pushed = data.actuator_force[0] - self.spring_force(data)
         direction = sign(speed if abs(speed) > 1e-8 else pushed)  # noqa: F841
         load = lambda: self.screw_force(data)  # noqa: E731, F841
-        model.dof_frictionloss[self.screw_rate] = max(0.0, 20 + 20 * exp(-(speed / 0.004) ** 2))
+        model.dof_frictionloss[self.screw_rate] = 20 + 20 * exp(-(speed / 0.004) ** 2)
 
     def _passive(self, model, data):
         if model.signature != self.signature:

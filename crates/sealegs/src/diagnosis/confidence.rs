@@ -36,6 +36,9 @@ pub struct Confidence {
 /// adequate model.
 const STAYS: f64 = 1.05;
 
+/// Share of the base model's energy above the floor that a curve takes for it to be said in place of what the residual follows.
+const MOST_OF_IT: f64 = 0.5;
+
 /// Parameters and sentences that are said at most.
 const MOST: usize = 3;
 
@@ -59,12 +62,21 @@ impl Confidence {
         match o.verdict {
             "added" => return Self::default(),
             "unexplained" => {
-                reasons.push(format!(
-                    "No known effect, alone or with others, lowers the error on the held-out runs: {} noise \
-                     units with the base model.",
-                    error(o.base.holdout_error)
-                ));
-                reasons.extend(o.remainder.iter().take(MOST).cloned());
+                let base = error(o.base.holdout_error);
+                match &o.law {
+                    Some(law) => reasons.push(format!(
+                        "No known effect is named, as a curve predicts the held-out runs better: {base} noise units with the base \
+                         model, {} with the curve.",
+                        error(law.holdout_error)
+                    )),
+                    None => reasons.push(format!(
+                        "No known effect, alone or with others, lowers the error on the held-out runs enough to be named: {base} \
+                         noise units with the base model."
+                    )),
+                }
+                // What the curve takes is described by the curve.
+                let described = o.law.as_ref().is_some_and(|law| law.explained >= MOST_OF_IT);
+                reasons.extend(o.remainder.iter().take(if described { 0 } else { MOST }).cloned());
                 return Self { level: Level::Open, reasons, intervals_conditional: true };
             }
             "partly-explained" => {

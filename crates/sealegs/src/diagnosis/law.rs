@@ -48,6 +48,11 @@ impl LawSaid {
     /// In one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
+        capital(&self.said())
+    }
+
+    /// The same as a part of another sentence.
+    pub(super) fn said(&self) -> String {
         let place = self.law.place.as_ref().map_or_else(String::new, |place| format!(" of {place}"));
         let port = match self.law.acts_on.split_once('/') {
             Some((_, channel)) => format!("sensor {channel}"),
@@ -55,8 +60,7 @@ impl LawSaid {
         };
         let what = if self.beside.is_empty() { "what is missing" } else { "what stays" };
         format!(
-            "{} acts at the {port}{place} and depends on {}: a curve takes {} of it on the held-out runs, to {:.2} noise units.",
-            capital(what),
+            "{what} acts at the {port}{place} and depends on {}: a curve takes {} of it on the held-out runs, to {:.2} noise units.",
             self.depends_on,
             super::outcome::percent(self.explained),
             self.holdout_error

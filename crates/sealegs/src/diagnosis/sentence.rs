@@ -28,8 +28,7 @@ pub(super) fn sentence(o: &Outcome) -> String {
     let base = said(o.base.holdout_error);
     let pictured = o.worst_channel().filter(|_| o.base.holdout_error >= FAR);
     let pictured = pictured.map_or_else(String::new, |w| format!(" Root mean square, held-out: {w}."));
-    let law =
-        o.law.as_ref().map_or_else(String::new, |law| format!(" Beyond the catalogue: {}", law.sentence()));
+    let law = o.law.as_ref().map_or_else(String::new, |law| format!(" Beyond the catalogue, {}", law.said()));
     match (o.verdict, &o.after) {
         ("adequate", _) => format!(
             "Nothing is missing: with its own parameters refitted, the base model is at the noise floor on the held-out \
