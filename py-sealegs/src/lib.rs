@@ -19,7 +19,7 @@ mod _core {
     #[pymodule_export]
     use super::models::{actuator_model, preset_names, scenario_model};
     #[pymodule_export]
-    use super::results::{Addition, Comparison, Diagnosis, add, compare, diagnose, model_file, plan};
+    use super::results::{Addition, Comparison, Diagnosis, add, better, compare, diagnose, model_file, plan};
     #[pymodule_export]
     use super::simulate::{simulate_bench, simulate_leg};
 

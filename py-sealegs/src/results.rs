@@ -159,6 +159,12 @@ pub fn plan(diagnosis: &Diagnosis, folder: PathBuf) -> PyResult<Option<String>> 
     diagnosis.inner.plan(&folder).map_err(raised)
 }
 
+/// The model with the effects that a diagnosis names, at its values; none where it names nothing.
+#[pyfunction]
+pub fn better(diagnosis: &Diagnosis) -> Option<Addition> {
+    diagnosis.inner.better().map(|inner| Addition { inner })
+}
+
 /// The model file of an addition that will lie in a folder, of one unit where there are several: as TOML, and as JSON.
 #[pyfunction]
 #[pyo3(signature = (addition, folder, unit = None))]

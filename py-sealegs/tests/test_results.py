@@ -73,6 +73,13 @@ def test_an_added_effect_makes_a_model_that_fits_as_a_dictionary_and_as_a_file(r
     assert of_file.given.holdout_error == pytest.approx(better.after.holdout_error, rel=0.1)
 
 
+def test_a_verdict_has_the_better_model_without_another_fit(read, verdict):
+    better = verdict.better()
+    assert better.after.holdout_error == verdict.after.holdout_error
+    again = sealegs.compare(read, better.model, as_is=True, progress=False)
+    assert again.given.holdout_error == pytest.approx(verdict.after.holdout_error, rel=0.1)
+
+
 def test_what_cannot_be_added_is_said(read):
     with pytest.raises(sealegs.InputError, match="did you mean 'coulomb-friction'.*it can have"):
         sealegs.add("coulomb-frictoin", read, progress=False)

@@ -122,6 +122,14 @@ class Diagnosis(Result[_core.Diagnosis]):
         """
         return _core.plan(self._core, os.fspath(folder))
 
+    def better(self) -> "Addition | None":
+        """The model with the effects that are named, at the values of the verdict; ``None`` where nothing is named.
+
+        What :func:`add` gives, without another fit.
+        """
+        better = _core.better(self._core)
+        return None if better is None else Addition(better)
+
 
 class Addition(Result[_core.Addition]):
     """A model with effects added: ``effects``, ``base``, ``after``, and the model itself."""

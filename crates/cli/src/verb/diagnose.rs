@@ -103,7 +103,7 @@ pub fn run(arguments: &Diagnose) -> anyhow::Result<u8> {
     if says {
         write!(std::io::stdout().lock(), "{}", diagnosis.to_text())?;
     }
-    if let (Some(better), Some(addition)) = (better, diagnosis.into_better()) {
+    if let (Some(better), Some(addition)) = (better, diagnosis.better()) {
         let written = better.write(&addition)?;
         if says {
             writeln!(

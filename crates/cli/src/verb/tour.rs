@@ -131,7 +131,7 @@ fn diagnose(
     Destination::new(&folder.join("3-diagnose.rrd"))?.record(&diagnosis.recording()?)?;
     Destination::new(&folder.join("3-diagnose.json"))?.write((diagnosis.to_json()? + "\n").as_bytes())?;
     print(&diagnosis.to_text())?;
-    Ok((diagnosis.outcome().clone(), diagnosis.into_better()))
+    Ok((diagnosis.outcome().clone(), diagnosis.better()))
 }
 
 /// Step 5: a model's drops.

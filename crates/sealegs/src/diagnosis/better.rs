@@ -15,11 +15,12 @@ use sealegs_recorder::recording;
 use sealegs_sysid::{Campaign, Role, units};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A model with effects added to it, both fitted to a campaign.
 pub struct Addition {
     campaign: Campaign,
-    model: Box<dyn CampaignModel>,
+    model: Arc<dyn CampaignModel>,
     label: String,
     added: Added,
     summary: Summary,
@@ -66,14 +67,14 @@ pub fn add<E: AsRef<str>>(
     files.extend(options.model.file());
     let provenance = Provenance::of_campaign(&campaign, model.name(), &files)?;
     let label = options.model.label(&campaign);
-    Ok(Addition::new(campaign, model, added, (label, options.command_of("sealegs::add")), provenance))
+    Ok(Addition::new(campaign, model.into(), added, (label, options.command_of("sealegs::add")), provenance))
 }
 
 impl Addition {
     /// What was added to the model of a campaign; of the texts the first says which model that was, the second by what command.
     pub(super) fn new(
         campaign: Campaign,
-        model: Box<dyn CampaignModel>,
+        model: Arc<dyn CampaignModel>,
         added: Added,
         (label, command): (String, String),
         provenance: Provenance,

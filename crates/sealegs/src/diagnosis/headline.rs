@@ -1,7 +1,8 @@
 //! The first screen of a diagnosis's report: what is missing, how sure, the ladder, the missing force, rivals, what to do next.
 
 use super::confidence::Level;
-use super::outcome::{Outcome, ParameterValue, percent};
+use super::law::LawSaid;
+use super::outcome::{Outcome, ParameterValue, RungSaid, percent};
 use super::text::{another_name, other_conventions};
 use crate::report::force;
 use crate::report::units::{capital, error, symbol, with_interval};
@@ -112,20 +113,22 @@ fn stated(p: &ParameterValue) -> Option<f64> {
     p.std.filter(|s| *s > 0.0 && !p.at_bound && p.felt)
 }
 
-/// The errors from the base model to the named set, one effect after the other.
+/// The errors from the base model to the named set, one effect after the other, and with the curve beyond the catalogue.
 pub(super) fn ladder(o: &Outcome) -> BarChart {
     let mut known = 0;
-    let bars: Vec<Bar> = o
-        .ladder
+    let rung = |rung: &RungSaid| {
+        let new = rung.effects[known.min(rung.effects.len())..].join(" + ");
+        let label = if rung.effects.is_empty() { "base model".to_owned() } else { format!("+ {new}") };
+        known = rung.effects.len();
+        (label, rung.holdout_error)
+    };
+    let mut steps: Vec<(String, f64)> = o.ladder.iter().map(rung).collect();
+    steps.extend(o.law.as_ref().map(|law| (format!("+ {}", law.effect), law.holdout_error)));
+    let errors = || steps.iter().map(|(_, error)| *error).chain([o.noise_floor]);
+    let bars: Vec<Bar> = steps
         .iter()
-        .map(|rung| {
-            let new = rung.effects[known.min(rung.effects.len())..].join(" + ");
-            let label = if rung.effects.is_empty() { "base model".to_owned() } else { format!("+ {new}") };
-            known = rung.effects.len();
-            Bar { label, values: vec![rung.holdout_error], text: error(rung.holdout_error) }
-        })
+        .map(|(label, e)| Bar { label: label.clone(), values: vec![*e], text: error(*e) })
         .collect();
-    let errors = || o.ladder.iter().map(|r| r.holdout_error).chain([o.noise_floor]);
     let (least, most) = (errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max));
     let logarithmic = least > 0.0 && most / least > WIDE_RATIO;
     let axis = if logarithmic {
@@ -239,11 +242,19 @@ fn judged(o: &Outcome) -> Vec<String> {
                 capital(&percent(o.unexplained_share))
             ));
         }
-        None => lines.push(format!(
-            "Held-out runs: {} noise units; fit runs: {}.",
-            error(o.base.holdout_error),
-            error(o.base.fit_error)
-        )),
+        None => {
+            let with = |of: fn(&LawSaid) -> f64| {
+                o.law.as_ref().map_or_else(String::new, |law| format!(" → {}", error(of(law))))
+            };
+            lines.push(format!(
+                "Held-out runs: {}{} noise units; fit runs: {}{}{}.",
+                error(o.base.holdout_error),
+                with(|law| law.holdout_error),
+                error(o.base.fit_error),
+                with(|law| law.fit_error),
+                if o.law.is_some() { ", with the curve" } else { "" }
+            ));
+        }
     }
     if !o.traces.is_empty() {
         lines.push(format!("Minor effects, below 1 % of the error: {}.", o.traces.join(", ")));
@@ -303,97 +314,9 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str, foremost: Op
 #[cfg(test)]
 mod tests {
     use super::super::confidence::{Confidence, Level};
-    use super::super::outcome::{BranchSaid, ForceSaid, Ranked, RungSaid, Side, Work};
-    use super::super::provenance::Provenance;
+    use super::super::toy::toy;
     use super::*;
-
-    fn parameter(name: &str, value: f64, std: f64, unit: &str) -> ParameterValue {
-        ParameterValue {
-            name: name.to_owned(),
-            value,
-            std: Some(std),
-            unit: unit.to_owned(),
-            fixed: false,
-            at_bound: false,
-            felt: true,
-            from_nominal: None,
-        }
-    }
-
-    fn side(error: f64, parameters: Vec<ParameterValue>) -> Side {
-        Side { holdout_error: error, fit_error: error, parameters, sensors: Vec::new(), channels: Vec::new() }
-    }
-
-    /// A verdict on a toy: 80 um of play and some friction take the error from 40 to the noise floor.
-    fn toy() -> Outcome {
-        let effects: Vec<String> = ["knee/backlash", "knee/coulomb-friction"].map(String::from).into();
-        let rung = |n: usize, error: f64| RungSaid {
-            effects: effects[..n].to_vec(),
-            holdout_error: error,
-            fit_error: error,
-        };
-        let stiffness = || parameter("knee/stiffness", 375e3, 90.0, "N/m");
-        let branch = BranchSaid {
-            label: String::new(),
-            x: vec![-0.02, -0.01, 0.01, 0.02],
-            y: vec![-42.0, -41.5, 41.8, 42.1],
-            std: vec![0.5; 4],
-            law: Some(vec![-42.0, -42.0, 42.0, 42.0]),
-        };
-        let mut outcome = Outcome {
-            campaign: "toy".to_owned(),
-            noise_floor: 1.0,
-            base: side(40.0, vec![stiffness()]),
-            verdict: "missing-effect",
-            effects: effects.clone(),
-            indistinguishable: Vec::new(),
-            same_by_another_name: Vec::new(),
-            equally_good_choices: Vec::new(),
-            after: Some(side(
-                1.01,
-                vec![
-                    stiffness(),
-                    parameter("knee/backlash.gap_m", 79.96e-6, 0.2e-6, "m"),
-                    parameter("knee/coulomb-friction.force_n", 42.06, 0.31, "N"),
-                ],
-            )),
-            unexplained_share: 0.0004,
-            ladder: vec![rung(0, 40.0), rung(1, 5.2), rung(2, 1.01)],
-            traces: Vec::new(),
-            missing_signals: Vec::new(),
-            missing_after: Vec::new(),
-            missing_force: Some(ForceSaid {
-                port: "knee/rotor".to_owned(),
-                unit: "N".to_owned(),
-                depends_on: "direction of motion".to_owned(),
-                over: "speed".to_owned(),
-                over_unit: "m/s".to_owned(),
-                divided_by: "1".to_owned(),
-                noise: 8.0,
-                explained_by_law: Some(0.97),
-                branches: vec![branch],
-            }),
-            law: None,
-            ranking: vec![Ranked {
-                effects: vec!["knee/torque-ripple".to_owned()],
-                holdout_error: 6.3,
-                evidence: 12.0,
-                parameters: Vec::new(),
-            }],
-            units: None,
-            splits: None,
-            next_experiment: "Repeat the drop from 5 cm.".to_owned(),
-            sentence: String::new(),
-            confidence: Confidence::default(),
-            remainder: Vec::new(),
-            sanity: Vec::new(),
-            notes: Vec::new(),
-            work: Work { simulations: 1, simulated_s: 1.0 },
-            provenance: Provenance { version: "0", model: "toy".to_owned(), inputs: Vec::new() },
-        };
-        outcome.confidence = Confidence::of(&outcome);
-        outcome
-    }
+    use sealegs_model::{Curve, Factor, Law, Over};
 
     fn html(o: &Outcome) -> String {
         let mut page = Report::new("toy");
@@ -474,51 +397,48 @@ mod tests {
     }
 
     #[test]
-    fn intervals_cover_what_as_good_sets_say_and_are_withheld_beside_a_base_model_that_went_astray() {
-        use super::super::intervals::make_honest;
-        let gap = |o: &Outcome| o.after.as_ref().unwrap().parameters[1].std;
-        let changed = |change: &dyn Fn(&mut Outcome)| {
-            let mut o = toy();
-            o.ranking[0].effects.extend(o.effects.clone());
-            o.ranking[0].parameters = vec![parameter("knee/backlash.gap_m", 74.96e-6, 0.2e-6, "m")];
-            change(&mut o);
-            o.confidence = Confidence::of(&o);
-            make_honest(&mut o);
-            o
-        };
-        let error = |o: &mut Outcome, error: f64| o.after.as_mut().unwrap().holdout_error = error;
-        let at_floor = changed(&|o| o.ranking[0].holdout_error = 1.01);
-        assert_eq!(gap(&at_floor), Some(0.2e-6));
-        let stays = |o: &mut Outcome| {
-            error(o, 1.2);
-            o.ranking[0].holdout_error = 1.25;
-        };
-        assert!((gap(&changed(&stays)).unwrap() - 5e-6).abs() < 1e-12);
-        // Beside another law that gains nothing on left-out stretches a named one may only have lost a part.
-        let no_gain = changed(&|o| {
-            stays(o);
-            let own = Ranked { effects: o.effects.clone(), evidence: 13.0, ..o.ranking[0].clone() };
-            o.ranking.push(own);
-        });
-        assert_eq!(gap(&no_gain), Some(0.2e-6));
-        let worse = changed(&|o| {
-            error(o, 1.2);
-            o.ranking[0].holdout_error = 1.4;
-        });
-        assert_eq!(gap(&worse), Some(0.2e-6));
-        let astray = changed(&|o| {
-            stays(o);
-            o.after.as_mut().unwrap().parameters[0].from_nominal = Some(-4.3);
-        });
-        assert_eq!(gap(&astray), None);
-        assert!(html(&astray).contains("no interval") && set_with_values(&astray).contains("gap 80"));
-    }
-
-    #[test]
     fn the_headline_sentence_has_values_with_their_intervals() {
         assert_eq!(
             set_with_values(&toy()),
             "knee/backlash (gap 80.0 ± 0.4 µm) + knee/coulomb-friction (force 42.1 ± 0.6 N)"
         );
+    }
+
+    #[test]
+    fn a_curve_beyond_the_catalogue_is_the_last_step() {
+        let mut o = toy();
+        (o.verdict, o.effects, o.after) = ("unexplained", Vec::new(), None);
+        o.ladder.truncate(1);
+        let curve =
+            Curve { over: Over::Speed, times: Factor::One, x: vec![-1.0, 1.0], y: vec![3.0, -3.0], dry: 0.0 };
+        o.law = Some(LawSaid {
+            effect: "knee/unknown-at-rotor".to_owned(),
+            port: "knee/rotor".to_owned(),
+            depends_on: "speed".to_owned(),
+            beside: Vec::new(),
+            holdout_error: 1.26,
+            fit_error: 1.02,
+            explained: 0.999,
+            law: Law {
+                id: "unknown-at-rotor".to_owned(),
+                place: Some("knee".to_owned()),
+                acts_on: "rotor".to_owned(),
+                summary: "A curve.".to_owned(),
+                curve,
+            },
+        });
+        o.remainder = vec!["It follows the time in the run.".to_owned()];
+        o.confidence = Confidence::of(&o);
+        let page = html(&o);
+        for words in [
+            "something at knee/rotor that depends on speed",
+            "40.0 noise units with the base model, 1.26 with the curve",
+            "+ knee/unknown-at-rotor",
+            "Held-out runs: 40.0 → 1.26 noise units; fit runs: 40.0 → 1.02, with the curve.",
+        ] {
+            assert!(page.contains(words), "{words} is not in {page}");
+        }
+        // What the curve takes is described by the curve.
+        assert!(!o.confidence.reasons.contains(&o.remainder[0]));
     }
 }

@@ -46,3 +46,52 @@ fn widen(parameters: &mut [ParameterValue], name: &str, other: f64) {
         own.std = Some(std.max((other - own.value).abs()));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::confidence::Confidence;
+    use super::super::headline::set_with_values;
+    use super::super::outcome::Ranked;
+    use super::super::toy::{parameter, toy};
+    use super::*;
+
+    #[test]
+    fn intervals_cover_what_as_good_sets_say_and_are_withheld_beside_a_base_model_that_went_astray() {
+        let gap = |o: &Outcome| o.after.as_ref().unwrap().parameters[1].std;
+        let changed = |change: &dyn Fn(&mut Outcome)| {
+            let mut o = toy();
+            o.ranking[0].effects.extend(o.effects.clone());
+            o.ranking[0].parameters = vec![parameter("knee/backlash.gap_m", 74.96e-6, 0.2e-6, "m")];
+            change(&mut o);
+            o.confidence = Confidence::of(&o);
+            make_honest(&mut o);
+            o
+        };
+        let error = |o: &mut Outcome, error: f64| o.after.as_mut().unwrap().holdout_error = error;
+        let at_floor = changed(&|o| o.ranking[0].holdout_error = 1.01);
+        assert_eq!(gap(&at_floor), Some(0.2e-6));
+        let stays = |o: &mut Outcome| {
+            error(o, 1.2);
+            o.ranking[0].holdout_error = 1.25;
+        };
+        assert!((gap(&changed(&stays)).unwrap() - 5e-6).abs() < 1e-12);
+        // Beside another law that gains nothing on left-out stretches a named one may only have lost a part.
+        let no_gain = changed(&|o| {
+            stays(o);
+            let own = Ranked { effects: o.effects.clone(), evidence: 13.0, ..o.ranking[0].clone() };
+            o.ranking.push(own);
+        });
+        assert_eq!(gap(&no_gain), Some(0.2e-6));
+        let worse = changed(&|o| {
+            error(o, 1.2);
+            o.ranking[0].holdout_error = 1.4;
+        });
+        assert_eq!(gap(&worse), Some(0.2e-6));
+        let astray = changed(&|o| {
+            stays(o);
+            o.after.as_mut().unwrap().parameters[0].from_nominal = Some(-4.3);
+        });
+        assert_eq!(gap(&astray), None);
+        assert!(set_with_values(&astray).contains("gap 80"));
+    }
+}

@@ -19,6 +19,8 @@ mod signals;
 mod splits;
 pub mod story;
 pub mod text;
+#[cfg(test)]
+mod toy;
 pub mod units;
 
 pub use better::{Addition, add, named};

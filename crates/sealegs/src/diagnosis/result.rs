@@ -14,13 +14,14 @@ use sealegs_recorder::recording;
 use sealegs_sysid::diagnose::{self, Experiment};
 use sealegs_sysid::{Campaign, Role, sanity, units};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Which physical effect a model lacks, or that none is missing or none is known.
 #[derive(Debug)]
 pub struct Diagnosis {
     campaign: Campaign,
-    model: Box<dyn CampaignModel>,
+    model: Arc<dyn CampaignModel>,
     found: diagnose::Diagnosis,
     experiment: Option<Experiment>,
     outcome: Outcome,
@@ -74,7 +75,16 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
     };
     let outcome = Outcome::new(&campaign, &found, next, wrong, provenance);
     let (label, command) = (options.model.label(&campaign), options.command_of("sealegs::diagnose"));
-    Ok(Diagnosis { campaign, model, found, experiment, outcome, label, command, took: started.elapsed() })
+    Ok(Diagnosis {
+        campaign,
+        model: model.into(),
+        found,
+        experiment,
+        outcome,
+        label,
+        command,
+        took: started.elapsed(),
+    })
 }
 
 impl Diagnosis {
@@ -127,10 +137,11 @@ impl Diagnosis {
     /// The model with the effects that are named, at the values of the verdict: what [`add`](crate::add) gives, without another
     /// fit. None where nothing is named.
     #[must_use]
-    pub fn into_better(self) -> Option<Addition> {
+    pub fn better(&self) -> Option<Addition> {
         let added = Added::of_verdict(&self.found)?;
-        let said = (self.label, self.command);
-        Some(Addition::new(self.campaign, self.model, added, said, self.outcome.provenance))
+        let said = (self.label.clone(), self.command.clone());
+        let (campaign, model) = (self.campaign.clone(), self.model.clone());
+        Some(Addition::new(campaign, model, added, said, self.outcome.provenance.clone()))
     }
 
     /// The file of the law beyond the catalogue, an effect that `add` takes. None where there is none that helps.
