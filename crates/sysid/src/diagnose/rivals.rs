@@ -45,8 +45,12 @@ impl Search<'_> {
             let rest = Candidate { effects: all_but(&effects, leaving), ..self.tried[best].clone() };
             let rivals = self.admitted.iter().filter(|id| !effects.contains(id) && replaces(id, leaving));
             for rival in rivals.cloned().collect::<Vec<_>>() {
+                // From its guess a delay may end a sample away.
+                let known = renamed(&self.tried[best].known(), leaving, &rival);
                 let with = self.set_with(&rest, &[rival]);
-                self.index_of(&with, best);
+                if let Some(fitted) = self.models.fitted(&self.tried[best], &with, &known, None) {
+                    self.kept(fitted);
+                }
             }
         }
         let near = NEAR_FLOOR * self.models.data.floor;
@@ -131,14 +135,7 @@ impl Search<'_> {
             if effects.contains(&simple) || !self.admitted.contains(&simple) {
                 continue;
             }
-            let known: Known = self.tried[chosen]
-                .known()
-                .into_iter()
-                .map(|(name, value)| match symbol(&name, effect) {
-                    Some(own) => (format!("{simple}.{own}"), value),
-                    None => (name, value),
-                })
-                .collect();
+            let known = renamed(&self.tried[chosen].known(), effect, &simple);
             let rest = Candidate { effects: all_but(&effects, effect), ..self.tried[chosen].clone() };
             let set = self.set_with(&rest, std::slice::from_ref(&simple));
             let Some(fitted) = self.models.fitted(&self.tried[chosen], &set, &known, None) else { continue };
@@ -201,5 +198,27 @@ impl Search<'_> {
                 chosen
             }
         }
+    }
+}
+
+/// Values by name with an effect's own under another one's name.
+fn renamed(known: &Known, effect: &str, other: &str) -> Known {
+    let name = |name: &String| match symbol(name, effect) {
+        Some(own) => format!("{other}.{own}"),
+        None => name.clone(),
+    };
+    known.iter().map(|(n, value)| (name(n), *value)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::renamed;
+
+    #[test]
+    fn an_effects_values_are_taken_over_under_another_name() {
+        let known = [("damping", 2.0), ("knee/lag.delay_s", 1e-3), ("knee/lag-of-two.delay_s", 2e-3)];
+        let known = known.map(|(name, value)| (name.to_owned(), value)).to_vec();
+        let names: Vec<String> = renamed(&known, "knee/lag", "knee/late").into_iter().map(|(n, _)| n).collect();
+        assert_eq!(names, ["damping", "knee/late.delay_s", "knee/lag-of-two.delay_s"]);
     }
 }
