@@ -218,7 +218,8 @@ mod tests {
     fn an_effects_values_are_taken_over_under_another_name() {
         let known = [("damping", 2.0), ("knee/lag.delay_s", 1e-3), ("knee/lag-of-two.delay_s", 2e-3)];
         let known = known.map(|(name, value)| (name.to_owned(), value)).to_vec();
-        let names: Vec<String> = renamed(&known, "knee/lag", "knee/late").into_iter().map(|(n, _)| n).collect();
+        let names: Vec<String> =
+            renamed(&known, "knee/lag", "knee/late").into_iter().map(|(n, _)| n).collect();
         assert_eq!(names, ["damping", "knee/late.delay_s", "knee/lag-of-two.delay_s"]);
     }
 }
