@@ -171,24 +171,21 @@ fn richer_laws_become_the_simpler_ones_that_they_name() {
         let mut own: Vec<f64> = card.parameters.iter().map(|p| p.value).collect();
         let simpler = base.effects(&seen(&base)).into_iter().find(|c| c.id == law.id).expect("a card");
         let strength = predicted(law.id, vec![own[0]; simpler.parameters.len()]);
-        own[law.departure] = match law.at {
-            SimplerAt::Zero => 0.0,
-            SimplerAt::Equal(i) => own[i],
-            SimplerAt::Infinity => {
-                let apart = |own: &[f64]| -> f64 {
-                    let squares = |(a, b): (&Signal, &Signal)| -> f64 {
-                        a.values.iter().zip(&b.values).map(|(a, b)| (a - b).powi(2)).sum()
-                    };
-                    let richer = predicted(&card.id, own.to_vec());
-                    let angles = richer.iter().zip(&strength).filter(|(s, _)| s.channel == "motor_angle_rad");
-                    angles.map(squares).sum()
+        if law.at == SimplerAt::Infinity {
+            let apart = |own: &[f64]| -> f64 {
+                let squares = |(a, b): (&Signal, &Signal)| -> f64 {
+                    a.values.iter().zip(&b.values).map(|(a, b)| (a - b).powi(2)).sum()
                 };
-                let (soft, mut stiff) = (apart(&own), own.clone());
-                stiff[law.departure] = card.parameters[law.departure].max;
-                assert!(apart(&stiff) < 1e-2 * soft, "{}: {} {soft}", card.id, apart(&stiff));
-                continue;
-            }
-        };
+                let richer = predicted(&card.id, own.to_vec());
+                let angles = richer.iter().zip(&strength).filter(|(s, _)| s.channel == "motor_angle_rad");
+                angles.map(squares).sum()
+            };
+            let (soft, mut stiff) = (apart(&own), own.clone());
+            stiff[law.departure] = card.parameters[law.departure].max;
+            assert!(apart(&stiff) < 1e-2 * soft, "{}: {} {soft}", card.id, apart(&stiff));
+            continue;
+        }
+        own[law.departure] = law.at.value(|i| own[i]);
         assert_eq!(predicted(&card.id, own), strength, "{}", card.id);
     }
     assert!(named >= 4, "{named}");

@@ -77,6 +77,18 @@ pub enum SimplerAt {
     Infinity,
 }
 
+impl SimplerAt {
+    /// Its value there, given that of the parameter at a place.
+    #[must_use]
+    pub fn value(self, of: impl Fn(usize) -> f64) -> f64 {
+        match self {
+            Self::Zero => 0.0,
+            Self::Equal(place) => of(place),
+            Self::Infinity => f64::INFINITY,
+        }
+    }
+}
+
 /// Least, greatest and root-mean-square value of one signal over the runs at hand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignalRange {

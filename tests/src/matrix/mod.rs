@@ -11,13 +11,12 @@ pub use stamp::stamp;
 pub use table::{error, table};
 
 use sealegs::Options;
-use sealegs::diagnosis::outcome::{self, ParameterValue};
 use sealegs::jobs::JobList;
-use sealegs::mystery::score::{Score, is_said_of_the_log, score};
+use sealegs::mystery::answer::{Answer, HiddenEffect};
+use sealegs::mystery::score::Score;
 use sealegs::mystery::trial::{Strength, visible};
-use sealegs::mystery::{Located, MissingSignal, located};
-use sealegs_actuator::ActuatorSpec;
-use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Made, Order, PAIRS, Rig, SUBSTEPS};
+use sealegs::mystery::{Fitted, Located, Verdict, answer_of};
+use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Order, PAIRS, Rig, SUBSTEPS};
 use sealegs_sysid::Campaign;
 use serde::{Deserialize, Serialize};
 use std::error::Error;
@@ -252,35 +251,20 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     let started = Instant::now();
     let diagnosis = sealegs::diagnose(&Campaign::read(&place)?, Options::new().force(true))?;
     outcome.seconds = Some(started.elapsed().as_secs_f64());
-    let (found, said) = (diagnosis.found(), diagnosis.outcome());
-    let verdict = &found.verdict;
-    let ids: Vec<String> = made.hidden.iter().map(|h| h.id.clone()).collect();
-    let known = made.hidden.iter().all(|h| h.beyond.is_none());
-    let kind = verdict.kind.as_str();
-    let log: Vec<String> = said
-        .sanity
-        .iter()
-        .filter_map(|f| serde_json::to_value(f.problem).ok()?.as_str().map(str::to_owned))
-        .collect();
-    let scored = if is_said_of_the_log(&ids, kind, log.iter().map(String::as_str)) {
-        Score::Right
-    } else {
-        score(&ids, known, kind, &verdict.effects, &verdict.indistinguishable)
-    };
-    outcome.located = made.hidden.iter().find_map(|h| h.beyond).map(|beyond| {
-        let truth = beyond.whereabouts();
-        let depends_on: Vec<String> = truth.depends_on.iter().map(|d| (*d).to_owned()).collect();
-        located(truth.port, &depends_on, &missing_signals(said))
-    });
-    outcome.explained = verdict.law.as_ref().map(|law| law.explained);
+    let said = Verdict::of(&diagnosis)?;
+    let answer = answer_of(&made, case.seed, said.base.holdout_error);
+    let after = said.after.as_ref().unwrap_or(&said.base);
+    let scored = said.score(&answer);
+    outcome.located = said.located(&answer);
+    outcome.explained = diagnosis.outcome().law.as_ref().map(|law| law.explained);
     outcome.score = scored.to_string();
-    outcome.verdict = verdict.kind.as_str().to_owned();
-    outcome.said.clone_from(&verdict.effects);
-    outcome.tied.clone_from(&verdict.indistinguishable);
-    outcome.base_error = Some(verdict.base.holdout_error);
-    outcome.after_error = Some(verdict.after.holdout_error);
+    outcome.verdict.clone_from(&said.verdict);
+    outcome.said.clone_from(&said.effects);
+    outcome.tied.clone_from(&said.indistinguishable);
+    outcome.base_error = Some(said.base.holdout_error);
+    outcome.after_error = Some(after.holdout_error);
     if scored == Score::Right {
-        outcome.stated = stated(&made, said.after.as_ref().map_or(&said.base.parameters, |a| &a.parameters))?;
+        outcome.stated = stated(&answer, &after.parameters);
         outcome.worst_parameter = outcome
             .stated
             .iter()
@@ -294,29 +278,19 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     Ok(outcome)
 }
 
-/// What a diagnosis states as missing, port by port.
-fn missing_signals(said: &outcome::Outcome) -> Vec<MissingSignal> {
-    let said = said.missing_signals.iter();
-    said.map(|s| MissingSignal { port: s.port.clone(), depends_on: s.depends_on.clone() }).collect()
-}
-
 /// What is stated of what is known of a campaign. A choice of rounding is no quantity, and what the bench or the model file
 /// fixes, or is withheld, has no interval.
-fn stated(made: &Made, fitted: &[ParameterValue]) -> Result<Vec<Stated>, Box<dyn Error>> {
-    let spec = ActuatorSpec::preset(made.actuator)?;
-    let base =
-        made.individual.base_parameters(&spec).into_iter().map(|(name, truth)| (name.to_owned(), truth));
-    let effects = made
-        .hidden
-        .iter()
-        .flat_map(|h| h.parameters.iter().map(move |(name, truth)| (format!("{}.{name}", h.id), *truth)))
-        .filter(|(name, _)| !name.ends_with("rounding"));
-    Ok(base
-        .chain(effects)
+fn stated(answer: &Answer, fitted: &[Fitted]) -> Vec<Stated> {
+    let base = answer.parameters.iter().map(|p| (p.name.clone(), p.value));
+    let own = |e: &HiddenEffect| {
+        e.parameters.iter().map(|p| (format!("{}.{}", e.id, p.name), p.value)).collect::<Vec<_>>()
+    };
+    let effects = answer.effects.iter().flat_map(own).filter(|(name, _)| !name.ends_with("rounding"));
+    base.chain(effects)
         .filter_map(|(name, truth)| {
             let p = fitted.iter().find(|p| p.name == name)?;
             let std = p.std.filter(|std| *std > 0.0)?;
             Some(Stated { name, truth, value: p.value, std })
         })
-        .collect())
+        .collect()
 }

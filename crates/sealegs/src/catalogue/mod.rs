@@ -22,7 +22,7 @@ pub use text::{card as card_text, table as table_text};
 use crate::{Error, Result};
 use sealegs_actuator::effect::{CATALOGUE, Graph, Setting};
 use sealegs_actuator::text::nearest;
-use sealegs_model::{EffectCard, Parameter, Prediction, Signal, SimplerAt, Unit};
+use sealegs_model::{EffectCard, Parameter, Prediction, Signal, Unit};
 use serde::Serialize;
 
 /// An effect of the catalogue, at the place where its signature is computed.
@@ -258,11 +258,7 @@ fn most_telling(changes: Vec<Change>) -> Option<Change> {
 fn shown_at(card: &EffectCard) -> Vec<f64> {
     let simpler = |i: usize| {
         let Some(law) = card.becomes.as_ref().filter(|law| law.departure == i) else { return false };
-        match law.at {
-            SimplerAt::Zero => card.parameters[i].value == 0.0,
-            SimplerAt::Equal(like) => card.parameters[i].value == card.parameters[like].value,
-            SimplerAt::Infinity => false,
-        }
+        card.parameters[i].value == law.at.value(|like| card.parameters[like].value)
     };
     let of = |(i, p): (usize, &Parameter)| {
         let idle = p.neutral == Some(p.value) || simpler(i);

@@ -75,8 +75,9 @@ impl Confidence {
                     )),
                 }
                 // What the curve takes is described by the curve.
-                let described = o.law.as_ref().is_some_and(|law| law.explained >= MOST_OF_IT);
-                reasons.extend(o.remainder.iter().take(if described { 0 } else { MOST }).cloned());
+                if o.law.as_ref().is_none_or(|law| law.explained < MOST_OF_IT) {
+                    reasons.extend(o.remainder.iter().take(MOST).cloned());
+                }
                 return Self { level: Level::Open, reasons, intervals_conditional: true };
             }
             "partly-explained" => {

@@ -1,7 +1,6 @@
 //! The first screen of a diagnosis's report: what is missing, how sure, the ladder, the missing force, rivals, what to do next.
 
 use super::confidence::Level;
-use super::law::LawSaid;
 use super::outcome::{Outcome, ParameterValue, RungSaid, percent};
 use super::text::{another_name, other_conventions};
 use crate::report::force;
@@ -125,12 +124,10 @@ pub(super) fn ladder(o: &Outcome) -> BarChart {
     let mut steps: Vec<(String, f64)> = o.ladder.iter().map(rung).collect();
     steps.extend(o.law.as_ref().map(|law| (format!("+ {}", law.effect), law.holdout_error)));
     let errors = || steps.iter().map(|(_, error)| *error).chain([o.noise_floor]);
-    let bars: Vec<Bar> = steps
-        .iter()
-        .map(|(label, e)| Bar { label: label.clone(), values: vec![*e], text: error(*e) })
-        .collect();
     let (least, most) = (errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max));
     let logarithmic = least > 0.0 && most / least > WIDE_RATIO;
+    let bar = |(label, e)| Bar { label, values: vec![e], text: error(e) };
+    let bars: Vec<Bar> = steps.into_iter().map(bar).collect();
     let axis = if logarithmic {
         Axis::new("error, logarithmic", "noise units").log().range(0.5 * least, 1.2 * most)
     } else {
@@ -243,17 +240,15 @@ fn judged(o: &Outcome) -> Vec<String> {
             ));
         }
         None => {
-            let with = |of: fn(&LawSaid) -> f64| {
-                o.law.as_ref().map_or_else(String::new, |law| format!(" → {}", error(of(law))))
-            };
-            lines.push(format!(
-                "Held-out runs: {}{} noise units; fit runs: {}{}{}.",
-                error(o.base.holdout_error),
-                with(|law| law.holdout_error),
-                error(o.base.fit_error),
-                with(|law| law.fit_error),
-                if o.law.is_some() { ", with the curve" } else { "" }
-            ));
+            let (held_out, fitted) = (error(o.base.holdout_error), error(o.base.fit_error));
+            lines.push(match &o.law {
+                Some(law) => format!(
+                    "Held-out runs: {held_out} → {} noise units; fit runs: {fitted} → {}, with the curve.",
+                    error(law.holdout_error),
+                    error(law.fit_error)
+                ),
+                None => format!("Held-out runs: {held_out} noise units; fit runs: {fitted}."),
+            });
         }
     }
     if !o.traces.is_empty() {
@@ -314,15 +309,10 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str, foremost: Op
 #[cfg(test)]
 mod tests {
     use super::super::confidence::{Confidence, Level};
-    use super::super::toy::toy;
+    use super::super::law::LawSaid;
+    use super::super::toy::{html, toy};
     use super::*;
     use sealegs_model::{Curve, Factor, Law, Over};
-
-    fn html(o: &Outcome) -> String {
-        let mut page = Report::new("toy");
-        screen(&mut page, o, "sealegs diagnose data/toy --report r.html", None);
-        page.to_html()
-    }
 
     #[test]
     fn the_first_screen_answers_in_the_order_of_the_questions() {

@@ -52,7 +52,7 @@ mod tests {
     use super::super::confidence::Confidence;
     use super::super::headline::set_with_values;
     use super::super::outcome::Ranked;
-    use super::super::toy::{parameter, toy};
+    use super::super::toy::{html, parameter, toy};
     use super::*;
 
     #[test]
@@ -92,6 +92,6 @@ mod tests {
             o.after.as_mut().unwrap().parameters[0].from_nominal = Some(-4.3);
         });
         assert_eq!(gap(&astray), None);
-        assert!(set_with_values(&astray).contains("gap 80"));
+        assert!(html(&astray).contains("no interval") && set_with_values(&astray).contains("gap 80"));
     }
 }

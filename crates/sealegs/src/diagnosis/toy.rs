@@ -1,8 +1,10 @@
 //! A verdict for tests.
 
 use super::confidence::Confidence;
+use super::headline::screen;
 use super::outcome::{BranchSaid, ForceSaid, Outcome, ParameterValue, Ranked, RungSaid, Side, Work};
 use super::provenance::Provenance;
+use sealegs_recorder::report::Report;
 
 pub(super) fn parameter(name: &str, value: f64, std: f64, unit: &str) -> ParameterValue {
     ParameterValue {
@@ -90,4 +92,11 @@ pub(super) fn toy() -> Outcome {
     };
     outcome.confidence = Confidence::of(&outcome);
     outcome
+}
+
+/// The first screen of its report.
+pub(super) fn html(o: &Outcome) -> String {
+    let mut page = Report::new("toy");
+    screen(&mut page, o, "sealegs diagnose data/toy --report r.html", None);
+    page.to_html()
 }

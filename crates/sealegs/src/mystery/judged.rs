@@ -64,8 +64,7 @@ pub fn judge(mystery: &Mystery, options: impl Into<Options>) -> Result<Judged> {
     }
     let campaign = Campaign::read(folder.path())?;
     let diagnosis = diagnose(&campaign, options.into().force(true))?;
-    let said: Verdict = serde_json::from_str(&diagnosis.to_json()?)
-        .map_err(|e| Error::Unwritable { what: "the verdict", problem: e.to_string() })?;
+    let said = Verdict::of(&diagnosis)?;
     let answer = &mystery.answer;
     let outcome = diagnosis.outcome();
     Ok(Judged {

@@ -16,7 +16,7 @@ pub mod trial;
 pub use judged::{Judged, Judgement, judge};
 pub use leg::leg_mystery;
 pub use located::{Located, MissingSignal, located};
-pub use reveal::{Verdict, page};
+pub use reveal::{Fitted, Verdict, page};
 
 use crate::Result;
 use answer::{Answer, HiddenEffect, Named, TrueSensor};
@@ -137,8 +137,9 @@ fn hide(plain: &Order, ids: &[&str], strength: Strength) -> Result<Option<Vec<Hi
     Ok(Some(hidden))
 }
 
-/// The truth of a made campaign.
-fn answer_of(made: &Made, seed: u64, base_error: f64) -> Answer {
+/// The truth of a made campaign. `seed` is the one that it was asked for by, `base_error` that of [`Answer::base_error`].
+#[must_use]
+pub fn answer_of(made: &Made, seed: u64, base_error: f64) -> Answer {
     let named = |(name, value): &(&str, f64)| Named { name: (*name).to_owned(), value: *value };
     let spec = ActuatorSpec::preset(made.actuator);
     let base = spec.map(|s| made.individual.base_parameters(&s)).unwrap_or_default();

@@ -4,6 +4,7 @@ use super::answer::Answer;
 use super::located::{Located, MissingSignal, located};
 use super::score::{Score, is_said_of_the_log, score};
 use crate::diagnosis::text::figures;
+use crate::{Diagnosis, Error, Result};
 use serde::Deserialize;
 use std::fmt::Write;
 
@@ -82,6 +83,16 @@ fn list(ids: &[String]) -> String {
 }
 
 impl Verdict {
+    /// That of a diagnosis, as its JSON says it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Diagnosis::to_json`].
+    pub fn of(diagnosis: &Diagnosis) -> Result<Self> {
+        serde_json::from_str(&diagnosis.to_json()?)
+            .map_err(|e| Error::Unwritable { what: "the verdict", problem: e.to_string() })
+    }
+
     /// How it stands against the answer.
     #[must_use]
     pub fn score(&self, answer: &Answer) -> Score {
