@@ -43,6 +43,8 @@ pub(super) struct RunEntry {
     pub scenario: Option<String>,
     pub from_s: Option<f64>,
     pub to_s: Option<f64>,
+    /// Length of the pieces that it is cut into, each of which begins at the measured state.
+    pub window_s: Option<f64>,
     /// Its own masses and lengths, or the campaign's.
     pub rig: super::RigValues,
     /// The line of its `file` or `files` key.
@@ -78,6 +80,7 @@ struct RawCampaign {
     noise_std: BTreeMap<String, Spanned<f64>>,
     #[serde(default)]
     columns: Option<RawColumns>,
+    window_s: Option<Spanned<f64>>,
     #[serde(default)]
     run: Vec<RawRun>,
 }
@@ -93,9 +96,10 @@ struct RawRun {
     scenario: Option<Spanned<String>>,
     from_s: Option<Spanned<f64>>,
     to_s: Option<Spanned<f64>>,
+    window_s: Option<Spanned<f64>>,
 }
 
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 12] = [
     "name",
     "bench",
     "actuator",
@@ -106,10 +110,11 @@ const KEYS: [&str; 11] = [
     "input_hold",
     "noise_std",
     "columns",
+    "window_s",
     "run",
 ];
-const RUN_KEYS: [&str; 9] =
-    ["file", "files", "episode", "unit", "columns", "role", "scenario", "from_s", "to_s"];
+const RUN_KEYS: [&str; 10] =
+    ["file", "files", "episode", "unit", "columns", "role", "scenario", "from_s", "to_s", "window_s"];
 
 /// Reads and checks a campaign file; the tables it names are not touched.
 pub(super) fn read(path: &Path) -> Result<Description, Error> {
@@ -234,6 +239,13 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
             scenario: run.scenario.as_ref().map(|s| s.get_ref().clone()),
             from_s: bound(&run.from_s, "from_s")?,
             to_s: bound(&run.to_s, "to_s")?,
+            window_s: match run.window_s.as_ref().or(raw.window_s.as_ref()) {
+                Some(window) if !matches!(bench, Bench::Free | Bench::Robot) => {
+                    let problem = "is for the benches 'free' and 'robot', whose runs may begin in motion";
+                    return Err(Error::bad(path, line(window.span()), Some("window_s"), problem));
+                }
+                window => window.map(|v| positive(v, "window_s")).transpose()?,
+            },
             rig,
             line: at,
         };

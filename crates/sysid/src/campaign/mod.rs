@@ -17,6 +17,7 @@ mod noise;
 mod rig;
 mod scored;
 mod table;
+mod windows;
 
 pub use clock::{Clock, Gap};
 pub use left_out::{LeftOut, RARE, Spikes};
@@ -143,6 +144,8 @@ struct RunNotes {
     own: Vec<String>,
     /// Whether the campaign maps the columns: one note names all that are left then.
     is_mapped: bool,
+    /// Whether it is a further piece of a run, of whose file all is said.
+    is_further: bool,
 }
 
 impl Run {
@@ -250,7 +253,7 @@ impl Campaign {
                 let clock = Clock::of(&record.time_s, description.sample_rate_hz);
                 let (scenario, unit) = (run.scenario.clone(), run.unit.clone());
                 let left_out = LeftOut::of(&record);
-                let notes = RunNotes { own: notes, is_mapped: run.columns.is_some() };
+                let notes = RunNotes { own: notes, is_mapped: run.columns.is_some(), is_further: false };
                 let run = Run {
                     role: run.role,
                     scenario,
@@ -266,7 +269,18 @@ impl Campaign {
                 Ok((run, notes))
             })
             .collect();
-        let runs = runs.into_iter().collect::<Result<Vec<_>, Error>>()?;
+        let mut pieces: Vec<(Run, RunNotes)> = Vec::new();
+        for (run, entry) in runs.into_iter().zip(&description.runs) {
+            let (run, notes) = run?;
+            let cut = match entry.window_s {
+                Some(window_s) => windows::cut(run, window_s, description.sample_rate_hz),
+                None => vec![run],
+            };
+            let further = || RunNotes { is_further: true, ..RunNotes::default() };
+            let notes = std::iter::once(notes).chain(std::iter::repeat_with(further));
+            pieces.extend(cut.into_iter().zip(notes));
+        }
+        let runs = pieces;
         Ok(Self::assembled(description, file, runs))
     }
 
@@ -296,6 +310,9 @@ impl Campaign {
         let (runs, of_runs): (Vec<Run>, Vec<RunNotes>) = runs.into_iter().unzip();
         let mut notes = description.notes;
         for (run, said) in runs.iter().zip(of_runs) {
+            if said.is_further {
+                continue;
+            }
             notes.extend(said.own);
             // Of mapped files one note names them all.
             let unsaid = run.unknown.iter().filter(|_| !said.is_mapped);

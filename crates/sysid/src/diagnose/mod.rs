@@ -237,6 +237,10 @@ fn search<'a>(
     tied.retain(|i| !same.contains(i));
     let (settled, others) = search.models.settled(search.tried[chosen].clone());
     search.tried[chosen] = settled;
+    let (base, _) = search.models.settled(search.tried[0].clone());
+    if base.fit.cost < search.tried[0].fit.cost - fit::EQUAL_COST {
+        search.tried[0] = base;
+    }
     search.finish(&[0, chosen]);
     let open = search.models.open_choices(&others, &search.tried[chosen]);
     let chosen = if search.leaves_something(chosen) { search.simplified(chosen, &mut tied) } else { chosen };
