@@ -59,7 +59,7 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
                 channel_of(&s.channel, s.unit.as_deref()),
                 s.gain,
                 figures(s.bias, 3),
-                unit(&s.channel),
+                Unit::symbol_of(&s.channel),
                 figures(s.bias_spread, 2)
             );
         }
@@ -96,7 +96,7 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
             figures(l.error, 4),
             l.percent,
             figures(l.rms, 3),
-            unit(&l.channel)
+            Unit::symbol_of(&l.channel)
         );
     }
     let worst = compared.location.worst(5);
@@ -140,9 +140,4 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
         took.as_secs_f64()
     );
     out
-}
-
-/// A channel's unit as printed.
-pub(crate) fn unit(channel: &str) -> &'static str {
-    Unit::of_channel(channel).map_or("", Unit::symbol)
 }
