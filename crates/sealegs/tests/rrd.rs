@@ -32,6 +32,7 @@ fn small() -> Comparison {
                 measured: (0..40).map(|i| (0.2 * f64::from(i)).sin()).collect(),
                 before: Some((0..40).map(|i| 0.9 * (0.2 * f64::from(i)).sin()).collect()),
                 after: None,
+                noise: 0.0,
             },
             ComparedChannel {
                 name: "motor_angle_rad".to_owned(),
@@ -39,6 +40,7 @@ fn small() -> Comparison {
                 measured: (0..40).map(|i| 0.1 * f64::from(i)).collect(),
                 before: None,
                 after: None,
+                noise: 0.0,
             },
         ],
     };
@@ -60,7 +62,7 @@ fn a_comparison_reads_back_with_the_same_values() {
     let mut seen = 0;
     for run in &recording.runs {
         for channel in &run.channels {
-            let curves = [("measured", Some(&channel.measured)), ("model_before", channel.before.as_ref())];
+            let curves = [("measured", Some(&channel.measured)), ("before", channel.before.as_ref())];
             for (what, values) in curves.into_iter().filter_map(|(what, values)| Some((what, values?))) {
                 let name = format!("{}/{}/{what}", run.name, channel.name);
                 let (column, time) = column(&log, &name);

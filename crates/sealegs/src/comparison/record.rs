@@ -28,6 +28,7 @@ pub fn of(compared: &Compared, summary_markdown: String) -> Comparison {
                         measured: run.measured[slot].to_vec(),
                         before: through(&part.before, slot),
                         after: part.after.as_ref().and_then(|at| through(at, slot)),
+                        noise: part.data.channels[run.channels[slot]].noise_std,
                     })
                     .collect(),
             });
