@@ -97,7 +97,7 @@ mod tests {
             })
             .collect();
         let kept = straightened(&points, 1e-3);
-        assert!(kept.len() < points.len() / 4, "{}", kept.len());
+        assert!(kept.len() < points.len() / 2, "{}", kept.len());
         assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
         let mut lines = kept.windows(2).peekable();
         for p in points.iter().filter(|p| p.1.is_finite()) {
