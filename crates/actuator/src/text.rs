@@ -16,7 +16,7 @@ pub fn nearest<'a>(wanted: &str, known: impl IntoIterator<Item = &'a str>) -> Op
         .map(|(_, k)| k.to_owned())
 }
 
-/// Parses TOML into a type whose structs deny unknown fields; `file` is only named in messages.
+/// Parses TOML into a type whose structs deny unknown keys; `file` is only named in messages.
 ///
 /// # Errors
 ///
@@ -30,7 +30,7 @@ pub fn parse_toml<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, Actu
             line,
             column,
             suggestion: suggestion_from(error.message()),
-            message: error.message().trim_end().to_owned(),
+            message: sealegs_model::plain(error.message().trim_end()),
         }
     })
 }

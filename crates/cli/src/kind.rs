@@ -5,8 +5,10 @@ use sealegs::Campaign;
 use std::path::Path;
 
 /// Endings of the logs that `sealegs import` reads.
-const LOGS: [&str; 12] =
-    ["csv", "tsv", "txt", "parquet", "mat", "json", "jsonl", "npz", "npy", "mcap", "db3", "bag"];
+const LOGS: [&str; 15] = [
+    "csv", "tsv", "txt", "parquet", "mat", "h5", "hdf5", "json", "jsonl", "npz", "npy", "mcap", "db3", "bag",
+    "rrd",
+];
 
 /// A kind of file that some verb takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

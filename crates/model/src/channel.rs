@@ -78,6 +78,12 @@ impl Unit {
             .ok_or_else(|| UnknownUnit { channel: channel.to_owned() })
     }
 
+    /// The symbol of the unit that a channel's name ends in; empty where it ends in none.
+    #[must_use]
+    pub fn symbol_of(channel: &str) -> &'static str {
+        Self::of_channel(channel).map_or("", Self::symbol)
+    }
+
     /// The symbol as printed on an axis.
     #[must_use]
     pub fn symbol(self) -> &'static str {

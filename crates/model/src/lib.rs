@@ -15,6 +15,7 @@ mod channel;
 mod effect;
 mod law;
 mod parameter;
+mod plain;
 mod record;
 mod wrapper;
 
@@ -22,6 +23,7 @@ pub use channel::{Unit, UnknownUnit};
 pub use effect::{EffectCard, Excitation, SignalRange, SimplerAt, SimplerLaw};
 pub use law::{Curve, Factor, Law, Over};
 pub use parameter::{Parameter, Scale};
+pub use plain::plain;
 pub use record::{InputHold, Prediction, Record, Signal, internal};
 
 use std::fmt;

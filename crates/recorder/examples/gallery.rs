@@ -241,6 +241,7 @@ fn comparison() -> Comparison {
                 measured: values(curve(1.0, true)),
                 before: Some(values(curve(0.9, false))),
                 after: Some(values(curve(1.0, false))),
+                noise: 1.0,
             })
             .into(),
     };

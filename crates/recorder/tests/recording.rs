@@ -191,6 +191,7 @@ fn a_comparison_holds_all_curves_and_their_residuals() {
         measured: measured.clone(),
         before: Some(before),
         after: Some(after),
+        noise: 0.0,
     };
     let run = ComparedRun { name: "run-01 (fit)".into(), time_s, channels: vec![channel] };
     let comparison =
@@ -208,6 +209,23 @@ fn a_comparison_holds_all_curves_and_their_residuals() {
         assert!((series("residual_before").values[i] - 0.1 * m).abs() < 1e-12);
         assert!((series("residual_after").values[i] - 0.5).abs() < 1e-12);
     }
+
+    // With the noise known the file is as fine as that allows to see: measured to the last bit, the others by their extremes.
+    let whole = std::fs::metadata(&path).unwrap().len();
+    let mut noisy = comparison.clone();
+    noisy.runs[0].channels[0].noise = 0.5;
+    noisy.write(&Output::File(path.clone())).unwrap();
+    let contents = RecordingContents::read(&path).unwrap();
+    let series = |what: &str| {
+        contents.series(&format!("run-01 (fit)/force_1_n/{what}"), &format!("{what} [N]")).unwrap()
+    };
+    assert_eq!(series("measured").values, measured);
+    let after = series("after");
+    assert!(after.values.len() < 1000, "{}", after.values.len());
+    let greatest = after.values.iter().copied().fold(0.0, f64::max);
+    assert!((greatest - 99.5).abs() < 0.26, "{greatest}");
+    let size = std::fs::metadata(&path).unwrap().len();
+    assert!(2 * size < whole, "{size} of {whole} bytes");
 
     let mut short = comparison.clone();
     short.runs[0].channels[0].measured.pop();

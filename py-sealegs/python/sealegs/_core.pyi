@@ -18,6 +18,7 @@ __all__ = [
     "Comparison",
     "Diagnosis",
     "add",
+    "better",
     "compare",
     "diagnose",
     "model_file",

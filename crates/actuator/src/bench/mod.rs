@@ -14,6 +14,7 @@
 
 mod channel;
 mod drive;
+mod kind;
 mod linear;
 mod observed;
 mod pendulum;
@@ -22,13 +23,14 @@ mod sensor;
 mod signature;
 
 pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE, command_times};
+pub use kind::Bench;
 pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
 pub use run::{RunSetup, start_of};
 pub use sensor::{Recording, Sensor, record};
 
 use crate::effect::{CATALOGUE, Effect, OwnEffect, Setting, embedded, ids};
-use crate::plant::{Feed, Grid, Link, Plant, Trace, mean_per_step};
+use crate::plant::{Feed, Grid, Plant, Trace, mean_per_step};
 use crate::spec::{EffectSpec, EffectValue, narrowed};
 use crate::text::nearest;
 use crate::{ActuatorError, ActuatorSpec, Configuration};
@@ -43,72 +45,6 @@ pub const DEFAULT_STEP_S: f64 = 1e-4;
 
 /// Steps per sampling period under a band-limited command.
 const SMOOTH_STEPS_PER_PERIOD: f64 = 4.0;
-
-/// What the actuator's ends are attached to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Bench {
-    /// Both links held (high impedance).
-    Locked,
-    /// Spring side held, screw side on the lever of a pendulum (moving output).
-    Pendulum(PendulumRig),
-    /// Spring side held, the output moves a load of this mass (kg) or inertia (kg m^2); with a drive without a spring it
-    /// may be zero, as the rotor moves, too.
-    Free {
-        /// kg, or kg m^2 of a rotary drive.
-        load: f64,
-    },
-    /// Links of given masses in kg that move freely along the axis; infinite is held.
-    Masses {
-        /// Spring side.
-        link_1_kg: f64,
-        /// Screw side.
-        link_2_kg: f64,
-    },
-}
-
-impl Bench {
-    fn links(&self) -> (Link, Link) {
-        let mass = |m: f64| if m.is_finite() { Link::Mass(m) } else { Link::Fixed };
-        match self {
-            Self::Locked => (Link::Fixed, Link::Fixed),
-            Self::Pendulum(rig) => (Link::Fixed, rig.link()),
-            Self::Free { load } => (Link::Fixed, Link::Mass(*load)),
-            Self::Masses { link_1_kg, link_2_kg } => (mass(*link_1_kg), mass(*link_2_kg)),
-        }
-    }
-
-    fn label(&self) -> &'static str {
-        match self {
-            Self::Locked => "locked",
-            Self::Pendulum(_) => "pendulum",
-            Self::Free { .. } => "free",
-            Self::Masses { .. } => "free masses",
-        }
-    }
-
-    /// Arm of the output's lever, m; 1 where there is none.
-    fn arm_m(&self) -> f64 {
-        if let Self::Pendulum(rig) = self { rig.arm_m } else { 1.0 }
-    }
-
-    /// Whether an actuator can be on it.
-    fn check(&self, spec: &ActuatorSpec) -> Result<(), ActuatorError> {
-        let (rigid, load) = (spec.is_rigid(), self.links().1);
-        if rigid && matches!(self, Self::Locked | Self::Masses { .. }) {
-            let admitted = "a bench whose output moves, free or pendulum, for a drive without a spring";
-            return Err(ActuatorError::value("bench", self.label(), admitted));
-        }
-        let mass = load.mass_kg();
-        if load == Link::Fixed || mass > 0.0 || (rigid && mass == 0.0) {
-            return Ok(());
-        }
-        Err(ActuatorError::value(
-            "load of the bench",
-            mass,
-            "positive; zero only for a drive without a spring",
-        ))
-    }
-}
 
 /// An included effect: which one, at which sensor if narrowed down, and where its parameters begin.
 #[derive(Debug, Clone)]

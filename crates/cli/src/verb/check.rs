@@ -50,10 +50,6 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<u8> {
     Ok(0)
 }
 
-fn unit(channel: &str) -> &'static str {
-    Unit::of_channel(channel).map_or("", Unit::symbol)
-}
-
 fn origin(origin: NoiseOrigin) -> &'static str {
     match origin {
         NoiseOrigin::Stated => "stated",
@@ -118,7 +114,7 @@ fn text(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> S
     );
     let _ = writeln!(out, "\nNoise, one standard deviation");
     for n in &campaign.noise {
-        let unit = unit(&n.channel);
+        let unit = Unit::symbol_of(&n.channel);
         let quantum = n.quantum.map_or_else(String::new, |q| format!(", quantum {} {unit}", figures(q, 3)));
         let seen = if n.origin == NoiseOrigin::Stated {
             format!("; {} {unit} seen in neighbouring samples", figures(n.from_differences, 2))
@@ -144,7 +140,7 @@ fn text(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> S
                 campaign.runs[r.runs.1].record.name,
                 r.channel,
                 figures(r.deviation, 2),
-                unit(&r.channel),
+                Unit::symbol_of(&r.channel),
                 figures(r.deviation / noise, 2),
                 figures(r.offset, 2)
             );
@@ -162,7 +158,7 @@ fn text(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> S
                 100.0 * c.saturated_share,
                 figures(c.range.0, 4),
                 figures(c.range.1, 4),
-                unit(&c.channel)
+                Unit::symbol_of(&c.channel)
             );
         }
     }

@@ -13,7 +13,7 @@ pub struct Man {
     #[arg(short = 'o', long = "output", value_name = "FOLDER")]
     output: PathBuf,
     /// Write the command reference of the documentation's book in place of the man pages
-    #[arg(long)]
+    #[arg(long, hide = true)]
     book: bool,
 }
 

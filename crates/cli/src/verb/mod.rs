@@ -64,10 +64,8 @@ pub enum Verb {
     /// Write the JSON schemas of the results into a folder.
     Schema(schema::SchemaArguments),
     /// Print the completions of a shell.
-    #[command(hide = true)]
     Completions(completions::Completions),
     /// Write the man pages into a folder.
-    #[command(hide = true)]
     Man(man::Man),
 }
 

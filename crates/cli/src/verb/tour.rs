@@ -78,9 +78,10 @@ pub fn run(arguments: &Tour) -> anyhow::Result<u8> {
         Destination::new(&folder.join("4-add.json"))?.write((addition.to_json()? + "\n").as_bytes())?;
         print(&addition.to_text())?;
         let heights = HEIGHTS_M.map(|h| h.to_string()).join(",");
-        let command = format!("sealegs impact {} --heights {heights} --springs compliant", better.display());
-        step("5. How the missing effect changes the predicted impact forces.", &command)?;
+        let command = |model: &str| format!("sealegs impact {model} --heights {heights} --springs compliant");
+        step("5. How the missing effect changes the predicted impact forces.", &command(MODEL))?;
         let before = drops(MODEL, &folder.join("5-impact-before.json"))?;
+        say(&format!("$ {}", command(&better.to_string_lossy())))?;
         let after = drops(&better.to_string_lossy(), &folder.join("5-impact-after.json"))?;
         let place = first.split('/').next().unwrap_or_default();
         let peaks = peaks(&before, &after, place);

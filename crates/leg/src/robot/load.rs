@@ -62,7 +62,10 @@ impl Robot {
         }
         let Some((urdf, beside)) = Self::preset_texts(name_or_path) else {
             if path.extension().is_some_and(|e| e == "urdf") || path.components().count() > 1 {
-                return Err(unreadable(path)(std::io::ErrorKind::NotFound.into()));
+                return Err(unreadable(path)(std::io::Error::new(
+                    std::io::ErrorKind::NotFound,
+                    "no such file",
+                )));
             }
             let known = Self::preset_names();
             return Err(LegError::UnknownRobot {

@@ -53,7 +53,7 @@ impl Scenario {
         }
         let Some(text) = preset_text(name_or_path) else {
             if path.extension().is_some_and(|e| e == "toml") || path.components().count() > 1 {
-                let source = std::io::ErrorKind::NotFound.into();
+                let source = std::io::Error::new(std::io::ErrorKind::NotFound, "no such file");
                 return Err(LegError::Io { path: name_or_path.to_owned(), source });
             }
             let known = preset_names();

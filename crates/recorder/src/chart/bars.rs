@@ -134,13 +134,15 @@ impl Picture for BarChart {
             svg.push_str(&text(at(*v), bottom + 16.0, "middle", "tick", label));
         }
         let mut y = top + 4.0;
+        // Names above their bars lie where reference lines run: they are drawn last.
+        let mut names = String::new();
         for bar in &self.bars {
             if above {
-                svg.push_str(&text(
-                    left,
+                names.push_str(&text(
+                    left + 3.0,
                     y + 11.0,
                     "start",
-                    "lab",
+                    "halo",
                     &shortened(&bar.label, size.width - 14.0),
                 ));
                 y += 16.0;
@@ -173,6 +175,7 @@ impl Picture for BarChart {
             let middle = at(*v).clamp(half + 4.0, (size.width - half - 4.0).max(half + 4.0));
             svg.push_str(&text(middle, top - 8.0, "middle", "halo", label));
         }
+        svg.push_str(&names);
         let label = super::axis::axis_label(&self.axis, ticks.exponent);
         svg.push_str(&text(0.5 * (left + right), bottom + 36.0, "middle", "lab", &label));
         svg.push_str("</svg>");

@@ -27,6 +27,42 @@ pub fn decimate(points: &[(f64, f64)], limit: usize) -> Vec<(f64, f64)> {
     kept
 }
 
+/// The points between which straight lines stay within a tolerance of all the others, first and last among them.
+///
+/// A point with a value that is not a number ends a line; such gaps stay.
+#[must_use]
+pub fn straightened(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+    let mut kept = Vec::new();
+    let mut next = 0;
+    while let Some(&first) = points.get(next) {
+        kept.push(first);
+        next += 1;
+        if !first.1.is_finite() {
+            continue;
+        }
+        // The point where the present line begins, and the slopes of the lines from there that pass all points since.
+        let (mut from, mut last) = (first, first);
+        let (mut least, mut greatest) = (f64::NEG_INFINITY, f64::INFINITY);
+        while let Some(&point) = points.get(next).filter(|p| p.1.is_finite()) {
+            let (run, rise) = (point.0 - from.0, point.1 - from.1);
+            if !(least..=greatest).contains(&(rise / run)) {
+                kept.push(last);
+                from = last;
+                (least, greatest) = (f64::NEG_INFINITY, f64::INFINITY);
+                continue;
+            }
+            least = least.max((rise - tolerance) / run);
+            greatest = greatest.min((rise + tolerance) / run);
+            last = point;
+            next += 1;
+        }
+        if last.0 > from.0 {
+            kept.push(last);
+        }
+    }
+    kept
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -50,5 +86,36 @@ mod tests {
         points[5_000].1 = f64::NAN;
         assert!(decimate(&points, 400).iter().any(|p| p.1.is_nan()));
         assert_eq!(decimate(&points[..50], 400), &points[..50]);
+    }
+
+    #[test]
+    fn straight_lines_between_what_is_kept_pass_every_other_point() {
+        let points: Vec<(f64, f64)> = (0..10_000)
+            .map(|i| {
+                let t = f64::from(i) * 1e-3;
+                (t, if (2000..2100).contains(&i) { f64::NAN } else { (3.0 * t * t).sin() })
+            })
+            .collect();
+        let kept = straightened(&points, 1e-3);
+        assert!(kept.len() < points.len() / 2, "{}", kept.len());
+        assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
+        let mut lines = kept.windows(2).peekable();
+        for p in points.iter().filter(|p| p.1.is_finite()) {
+            while lines.peek().is_some_and(|l| l[1].0 < p.0) {
+                lines.next();
+            }
+            let [a, b] = lines.peek().unwrap()[..] else { unreachable!() };
+            let on_line = if p.0 == a.0 {
+                a.1
+            } else if p.0 == b.0 {
+                b.1
+            } else {
+                a.1 + (b.1 - a.1) * (p.0 - a.0) / (b.0 - a.0)
+            };
+            assert!((on_line - p.1).abs() <= 1.001e-3, "{p:?} beside {on_line}");
+        }
+        assert_eq!(kept.iter().filter(|p| p.1.is_nan()).count(), 100);
+        assert_eq!(straightened(&points[..1], 1.0), &points[..1]);
+        assert!(straightened(&[], 1.0).is_empty());
     }
 }

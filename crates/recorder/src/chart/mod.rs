@@ -17,7 +17,7 @@ mod svg;
 
 pub use axis::{Axis, AxisScale, Ticks};
 pub use bars::{Bar, BarChart};
-pub use decimate::decimate;
+pub use decimate::{decimate, straightened};
 pub use heat::HeatMap;
 pub use plot::{Band, Chart, Contours, Line, Marker, Note};
 pub use style::{Dash, Hue, SCRIPT, STYLE};

@@ -1,7 +1,7 @@
 //! Measured and predicted channels side by side in one recording.
 //!
-//! Paths are `<run>/<channel>/measured`, `model_before`, `model_after`, `residual_before` and
-//! `residual_after`: one recording, because two do not share a time cursor.
+//! Paths are `<run>/<channel>/measured`, `before`, `after`, `residual_before` and `residual_after`, the models' before the
+//! measured one in the alphabet, by which the viewer draws them one over the other: one recording, because two do not share a time cursor.
 
 use super::Color;
 use super::entities::{refused, time_column};
@@ -12,18 +12,25 @@ use super::scene_view::plot;
 use super::stream::Stream;
 use super::writer::{Output, close, open};
 use crate::RecorderError;
+use crate::chart::{decimate, straightened};
 use std::collections::BTreeSet;
 
 /// Values that are sent at once.
 const CHUNK: usize = 4096;
+/// Straight lines between the kept values of a model stay within this share of the noise.
+const STRAIGHT: f64 = 1.0 / 2.0;
+/// Residuals are thinned to an eighth: of thirty-two neighbours the ends, the least and the greatest stay.
+const THINNED: usize = 8;
+/// Computed values are rounded to a power of two below this share of the noise.
+const ROUNDED: f64 = 1.0 / 64.0;
 /// Channels whose plots fit one below the other.
 const IN_ONE_COLUMN: usize = 6;
 /// The tab of channels of no place, beside those of a leg.
 const ELSEWHERE: &str = "other";
 /// What stands beside `measured`, with its colour and width: the same as in the reports.
-const MEASURED: (&str, Color, f32) = ("measured", Color::new(0xE8, 0xEA, 0xED), 2.5);
-const BEFORE: (&str, Color, f32) = ("model_before", Color::ORANGE, 1.5);
-const AFTER: (&str, Color, f32) = ("model_after", Color::SKY_BLUE, 1.5);
+const MEASURED: (&str, Color, f32) = ("measured", Color::new(0xE8, 0xEA, 0xED), 1.2);
+const BEFORE: (&str, Color, f32) = ("before", Color::ORANGE, 2.5);
+const AFTER: (&str, Color, f32) = ("after", Color::SKY_BLUE, 2.5);
 const RESIDUAL_BEFORE: (&str, Color, f32) = ("residual_before", Color::ORANGE, 1.2);
 const RESIDUAL_AFTER: (&str, Color, f32) = ("residual_after", Color::SKY_BLUE, 1.2);
 
@@ -62,6 +69,9 @@ pub struct ComparedChannel {
     pub before: Option<Vec<f64>>,
     /// The model after, if there is one. Its residual is added.
     pub after: Option<Vec<f64>>,
+    /// One standard deviation of the sensor's noise. What is computed is then written as finely as that allows to see and no
+    /// finer, which makes the file a fraction; 0 writes every value.
+    pub noise: f64,
 }
 
 impl Comparison {
@@ -80,7 +90,8 @@ impl Comparison {
         for run in &self.runs {
             for channel in &run.channels {
                 for (what, values) in channel.curves() {
-                    send(&mut stream, run, channel, what, &values)?;
+                    let points: Vec<(f64, f64)> = run.time_s.iter().copied().zip(values).collect();
+                    send(&mut stream, run, channel, what, &channel.as_fine_as_seen(what, points))?;
                 }
             }
         }
@@ -199,6 +210,23 @@ impl ComparedChannel {
     }
 }
 
+impl ComparedChannel {
+    /// The points of a curve that its noise allows to see: all that were measured, a model between straight lines, the
+    /// extremes of a residual.
+    fn as_fine_as_seen(&self, (what, ..): Curve, points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+        if what == MEASURED.0 || self.noise.is_nan() || self.noise <= 0.0 {
+            return points;
+        }
+        let kept = if [BEFORE.0, AFTER.0].contains(&what) {
+            straightened(&points, STRAIGHT * self.noise)
+        } else {
+            decimate(&points, points.len() / THINNED)
+        };
+        let step = (ROUNDED * self.noise).log2().floor().exp2();
+        kept.into_iter().map(|(t, v)| (t, (v / step).round() * step)).collect()
+    }
+}
+
 fn summary_path() -> EntityPath {
     paths::path([DOCUMENTS, "Summary"])
 }
@@ -208,7 +236,7 @@ fn send(
     run: &ComparedRun,
     channel: &ComparedChannel,
     (what, color, width): Curve,
-    values: &[f64],
+    points: &[(f64, f64)],
 ) -> Result<(), RecorderError> {
     let path = paths::path([run.name.as_str(), &channel.name, what]);
     let style = rerun::SeriesLines::new()
@@ -216,10 +244,11 @@ fn send(
         .with_colors([rerun::Color::from(color)])
         .with_widths([width]);
     stream.log_static(path.clone(), &style)?;
-    for (time_s, values) in run.time_s.chunks(CHUNK).zip(values.chunks(CHUNK)) {
+    for points in points.chunks(CHUNK) {
+        let time_s: Vec<f64> = points.iter().map(|(t, _)| *t).collect();
         let columns =
-            rerun::Scalars::new(values.iter().copied()).columns_of_unit_batches().map_err(refused)?;
-        stream.send_columns(path.clone(), time_column(time_s), columns)?;
+            rerun::Scalars::new(points.iter().map(|(_, v)| *v)).columns_of_unit_batches().map_err(refused)?;
+        stream.send_columns(path.clone(), time_column(&time_s), columns)?;
     }
     Ok(())
 }

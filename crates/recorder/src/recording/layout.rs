@@ -161,8 +161,10 @@ impl Writer {
 
     fn view(&mut self, view: &View) -> Result<String, RecorderError> {
         self.views += 1;
-        // Containers and views are counted apart; a bit keeps their ids apart.
-        let path = format!("view/{}", uuid(self.views | (1 << 32)));
+        // Containers and views are counted apart; a bit keeps their ids apart. The viewer keeps what it knows of a view by the
+        // view's id, also when it opens another recording: views of two classes must not have the same.
+        let class = view.class.bytes().fold(0, |hash: u64, byte| (31 * hash + u64::from(byte)) & 0xffff);
+        let path = format!("view/{}", uuid(self.views | (1 << 32) | (class << 40)));
         let contents = ViewContents::new(view.contents.iter().map(|q| QueryExpression(q.as_str().into())));
         self.log(&format!("{path}/ViewContents"), &contents)?;
         let description = ViewBlueprint::new(ViewClass(view.class.into()))

@@ -14,6 +14,9 @@ use crate::chart::{Picture, Size, escape, figure_at, figure_html};
 use maud::{Markup, PreEscaped, Render, html};
 use number::Kind;
 
+/// Most pictures of details that are printed.
+const PRINTED_FIGURES: usize = 8;
+
 /// How a verdict feels, shown by a word and a mark as well as by a colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tone {
@@ -316,12 +319,16 @@ impl Report {
         self
     }
 
-    /// Details that open on demand (and in print).
+    /// Details that open on demand, and in print; there not where they hold many pictures, which would be dozens of pages.
     pub fn details(&mut self, summary: &str, inside: impl FnOnce(&mut Self)) -> &mut Self {
+        let start = self.body.len();
         self.push(&html! { (PreEscaped("<details>")) summary { (Text(summary)) } });
         self.numbers.folded += 1;
         inside(self);
         self.numbers.folded -= 1;
+        if self.body[start..].matches("<figure").count() > PRINTED_FIGURES {
+            self.body.insert_str(start + "<details".len(), " class=\"many\"");
+        }
         self.body.push_str("</details>\n");
         self
     }

@@ -237,7 +237,7 @@ fn changes(with: &Prediction, without: &Prediction, time_s: &[f64]) -> Vec<Chang
     let of = |(a, b): (&Signal, &Signal)| {
         let change: Vec<f64> = a.values.iter().zip(&b.values).map(|(a, b)| a - b).collect();
         let own = rms(&a.values).max(rms(&b.values)).max(f64::MIN_POSITIVE);
-        let unit = Unit::of_channel(&a.channel).map_or("", |u| u.symbol());
+        let unit = Unit::symbol_of(&a.channel);
         Change {
             channel: a.channel.clone(),
             unit: unit.to_owned(),

@@ -1,7 +1,7 @@
 //! Measured and predicted in one figure: in time, with the residuals below, and in frequency, with the coherence below.
 
 use super::Part;
-use super::text::unit;
+use sealegs_model::Unit;
 use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
 use sealegs_recorder::report::Report;
 use sealegs_sysid::Evaluation;
@@ -41,7 +41,7 @@ pub(crate) fn in_time(page: &mut Report, part: &Part, run: usize, models: &[(Loo
     let r = &part.data.runs[run];
     let role = r.role.as_str();
     for slot in 0..r.names.len() {
-        let (name, unit) = (&r.names[slot], unit(&r.names[slot]));
+        let (name, unit) = (&r.names[slot], Unit::symbol_of(&r.names[slot]));
         let points = |v: &[f64]| r.record.time_s.iter().copied().zip(v.iter().copied()).collect::<Vec<_>>();
         let measured = r.measured[slot];
         let mut above = Chart::new(

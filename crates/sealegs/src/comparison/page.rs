@@ -5,8 +5,9 @@ use super::{Compared, Summary};
 use crate::diagnosis::outcome::{MissingSignal, parameters, percent};
 use crate::diagnosis::text::{digits_for, figures};
 use crate::report::units::{capital, error, with_interval};
-use crate::report::{fails, force};
-use sealegs_recorder::chart::{Axis, Bar, BarChart, Dash, Hue};
+use crate::report::{WIDE_RATIO, fails, force};
+use sealegs_model::Unit;
+use sealegs_recorder::chart::{Axis, Bar, BarChart, Dash, Hue, Picture};
 use sealegs_recorder::report::{self, Answer, Report, Table, Tone};
 use sealegs_sysid::frequency::ChannelResponse;
 use sealegs_sysid::locate::Region;
@@ -112,24 +113,10 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
     };
     reasons.extend(off);
     let answer = Answer { headline: &headline, values: &values, certainty, reasons: &reasons };
-    let bars = BarChart {
-        title: "Missing at each port, over what noise alone would show".to_owned(),
-        axis: Axis::new("missing over noise, logarithmic", "").log(),
-        series: vec![(String::new(), Hue::Vermillion)],
-        bars: summary
-            .missing_signals
-            .iter()
-            .filter(|m| m.uncertainty > 0.0)
-            .take(PORTS)
-            .map(|m| Bar {
-                label: m.port.clone(),
-                values: vec![m.rms / m.uncertainty],
-                text: with_interval(m.rms, None, &m.unit),
-            })
-            .collect(),
-        marks: vec![(1.0, "noise".to_owned())],
-        row_height: None,
-    };
+    let bars = bars(&summary.missing_signals);
+    let models = fails::Models { before: AS_GIVEN, after: REFITTED };
+    let furthest =
+        last.filter(|_| summary.missing_force.is_none()).and_then(|part| fails::worst(part, &models));
     page.first_screen(|page| {
         page.answer(tone, &answer);
         let over_noise = "Root mean square of what is missing at each port, from the observer, over what the sensors' noise alone \
@@ -140,7 +127,10 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
                 page.side_by_side(&[(&chart, &caption), (&bars, over_noise)]);
             }
             None if !bars.bars.is_empty() => {
-                page.side_by_side(&[(&bars, over_noise)]);
+                let measured = "Measured and the model in the channel and run where it is furthest off; above it its error in noise units.";
+                let mut pictures: Vec<(&dyn Picture, &str)> = vec![(&bars, over_noise)];
+                pictures.extend(furthest.as_ref().map(|chart| (chart as &dyn Picture, measured)));
+                page.side_by_side(&pictures);
             }
             None => {
                 page.remark("No missing force is drawn: the runs measure no motion that an observer could follow, or what is missing depends on \
@@ -169,6 +159,34 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
 
 /// Ports that are drawn.
 const PORTS: usize = 10;
+
+/// What is missing at each port over what noise alone would show there.
+fn bars(missing: &[MissingSignal]) -> BarChart {
+    let seen = missing.iter().filter(|m| m.uncertainty > 0.0).take(PORTS);
+    let bars: Vec<Bar> = seen
+        .map(|m| Bar {
+            label: m.port.clone(),
+            values: vec![m.rms / m.uncertainty],
+            text: with_interval(m.rms, None, &m.unit),
+        })
+        .collect();
+    let ratios = || bars.iter().flat_map(|b| &b.values).copied().chain([1.0]);
+    let (least, most) = (ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max));
+    // A bar is as long as its value wherever a reader can still see the shortest.
+    let axis = if most > WIDE_RATIO * least {
+        Axis::new("missing over noise, logarithmic", "").log()
+    } else {
+        Axis::new("missing over noise", "")
+    };
+    BarChart {
+        title: "Missing at each port, over what noise alone would show".to_owned(),
+        axis,
+        series: vec![(String::new(), Hue::Vermillion)],
+        bars,
+        marks: vec![(1.0, "noise".to_owned())],
+        row_height: None,
+    }
+}
 
 /// What is missing at a port, and what it depends on.
 fn missing_sentence(m: &MissingSignal) -> String {
@@ -353,7 +371,7 @@ fn values(page: &mut Report, compared: &Compared) {
             channel_of(&s.channel, s.unit.as_deref()).into_owned(),
             gain,
             figures(s.bias, 3),
-            super::text::unit(&s.channel).to_owned(),
+            Unit::symbol_of(&s.channel).to_owned(),
             figures(s.bias_spread, 2),
         ]);
     }
@@ -385,7 +403,7 @@ fn errors(page: &mut Report, compared: &Compared) {
             figures(l.error, 4),
             figures(l.percent, 3),
             figures(l.rms, 3),
-            super::text::unit(&l.channel).to_owned(),
+            Unit::symbol_of(&l.channel).to_owned(),
             l.run,
             l.role.as_str().to_owned(),
         ]);

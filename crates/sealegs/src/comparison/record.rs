@@ -1,6 +1,7 @@
 //! A comparison as one recording.
 
 use super::Compared;
+use sealegs_model::Unit;
 use sealegs_recorder::recording::{ComparedChannel, ComparedRun, Comparison};
 use sealegs_sysid::data::DataRun;
 use sealegs_sysid::{Evaluation, stats};
@@ -23,10 +24,11 @@ pub fn of(compared: &Compared, summary_markdown: String) -> Comparison {
                 channels: (0..run.names.len())
                     .map(|slot| ComparedChannel {
                         name: run.names[slot].clone(),
-                        unit: super::text::unit(&run.names[slot]).to_owned(),
+                        unit: Unit::symbol_of(&run.names[slot]).to_owned(),
                         measured: run.measured[slot].to_vec(),
                         before: through(&part.before, slot),
                         after: part.after.as_ref().and_then(|at| through(at, slot)),
+                        noise: part.data.channels[run.channels[slot]].noise_std,
                     })
                     .collect(),
             });

@@ -2,9 +2,10 @@
 
 use super::{Compared, Summary, worst_of_response};
 use crate::diagnosis::outcome::parameters;
-use crate::diagnosis::text::{figures, parameter_lines};
+use crate::diagnosis::text::{again_below, figures, parameter_lines};
 use crate::report::units::with_interval;
 use sealegs_model::Unit;
+use sealegs_sysid::nuisance::Sensor;
 use sealegs_sysid::units::channel_of;
 use sealegs_sysid::{Role, residual};
 use std::fmt::Write;
@@ -12,6 +13,9 @@ use std::time::Duration;
 
 /// Ports that are listed.
 const PORTS: usize = 8;
+
+/// Runs and channels that are listed: a leg has more than a hundred.
+const ERRORS: usize = 32;
 
 /// The whole text.
 #[must_use]
@@ -51,15 +55,18 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
             );
         }
         let _ = writeln!(out, "\nSensors");
-        for s in fit.sensors() {
+        let sensors = fit.sensors();
+        let name = |s: &Sensor| channel_of(&s.channel, s.unit.as_deref()).into_owned();
+        let widest = sensors.iter().map(|s| name(s).len()).max().unwrap_or(0);
+        for s in sensors {
             let limit = if s.gain_at_limit { ", at its limit" } else { "" };
             let _ = writeln!(
                 out,
-                "  {:<22} gain {:.4}{limit}, bias {} {} (runs scatter by {})",
-                channel_of(&s.channel, s.unit.as_deref()),
+                "  {:<widest$} gain {:.4}{limit}, bias {} {} (runs scatter by {})",
+                name(s),
                 s.gain,
                 figures(s.bias, 3),
-                unit(&s.channel),
+                Unit::symbol_of(&s.channel),
                 figures(s.bias_spread, 2)
             );
         }
@@ -82,22 +89,34 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
             );
         }
     }
-    let lines: Vec<_> = compared.parts.iter().flat_map(|p| residual::table(&p.data, p.shown())).collect();
+    let mut lines: Vec<_> = compared.parts.iter().flat_map(|p| residual::table(&p.data, p.shown())).collect();
+    let others = lines.len().saturating_sub(ERRORS);
+    if others > 0 {
+        lines.sort_by(|a, b| b.error.total_cmp(&a.error));
+        lines.truncate(ERRORS);
+    }
     let widest = lines.iter().map(|l| l.run.len()).max().unwrap_or(0).max(3);
-    let _ =
-        writeln!(out, "\n{:<widest$}  {:<8} {:<22} {:>9} {:>8}  rms", "Run", "role", "channel", "error", "%");
+    let channel = lines.iter().map(|l| l.channel.len()).max().unwrap_or(0).max(7);
+    let _ = writeln!(
+        out,
+        "\n{:<widest$}  {:<8} {:<channel$} {:>9} {:>8}  rms",
+        "Run", "role", "channel", "error", "%"
+    );
     for l in lines {
         let _ = writeln!(
             out,
-            "{:<widest$}  {:<8} {:<22} {:>9} {:>8.2}  {} {}",
+            "{:<widest$}  {:<8} {:<channel$} {:>9} {:>8.2}  {} {}",
             l.run,
             l.role.as_str(),
             l.channel,
             figures(l.error, 4),
             l.percent,
             figures(l.rms, 3),
-            unit(&l.channel)
+            Unit::symbol_of(&l.channel)
         );
+    }
+    if others > 0 {
+        let _ = writeln!(out, "These are the worst; {others} more are in --report and --json.");
     }
     let worst = compared.location.worst(5);
     let _ = writeln!(out, "\nWhere the residual is");
@@ -139,10 +158,6 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
         compared.work.1,
         took.as_secs_f64()
     );
+    again_below(&mut out, &campaign.name, &compared.sentence());
     out
-}
-
-/// A channel's unit as printed.
-pub(crate) fn unit(channel: &str) -> &'static str {
-    Unit::of_channel(channel).map_or("", Unit::symbol)
 }

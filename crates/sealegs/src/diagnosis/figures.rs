@@ -3,7 +3,7 @@
 use super::story::{Across, Story};
 use crate::comparison::Part;
 use crate::comparison::overlay::{self, Look, worst_run};
-use crate::comparison::text::unit;
+use sealegs_model::Unit;
 use sealegs_model::internal;
 use sealegs_recorder::chart::{Axis, Chart, Dash, HeatMap, Hue, Picture};
 use sealegs_recorder::report::Report;
@@ -128,7 +128,7 @@ pub fn law(page: &mut Report, story: &Story) {
         Across::Command(input) => {
             let tells =
                 "the width of the loop is what friction, play or slip take, its curvature is the spring's";
-            (input.as_str(), unit(input), [of_spring.as_slice(), &with_friction].concat(), tells)
+            (input.as_str(), Unit::symbol_of(input), [of_spring.as_slice(), &with_friction].concat(), tells)
         }
         Across::Deflection => {
             let metric = if cycle.output.ends_with("_nm") { "rad" } else { "m" };
@@ -143,7 +143,7 @@ pub fn law(page: &mut Report, story: &Story) {
     let chart = Chart::new(
         &format!("{} over {label} in one slow cycle", cycle.output),
         Axis::new(label, unit_across),
-        Axis::new(&cycle.output, unit(&cycle.output)),
+        Axis::new(&cycle.output, Unit::symbol_of(&cycle.output)),
     )
     .line(BEFORE.0, BEFORE.1, BEFORE.2, cycle.before.clone())
     .line(AFTER.0, AFTER.1, AFTER.2, cycle.after.clone());

@@ -3,8 +3,8 @@
 use super::story::Story;
 use crate::comparison::Part;
 use crate::comparison::overlay::shown;
-use crate::comparison::text::unit;
 use sealegs_model::InputHold;
+use sealegs_model::Unit;
 use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
 use sealegs_recorder::report::Report;
 use sealegs_sysid::Evaluation;
@@ -117,9 +117,9 @@ pub fn curve(page: &mut Report, story: &Story) {
         let less = |points: &[FrictionPoint]| -> Vec<(f64, f64)> {
             points.iter().map(|p| (p.speed, p.friction - slope * p.speed)).collect()
         };
-        let speed = format!("{}/s", unit(&channels.position));
+        let speed = format!("{}/s", Unit::symbol_of(&channels.position));
         let across = Axis::new(&format!("speed by {}", channels.position), &speed);
-        Chart::new(title, across, Axis::new("friction", unit(&channels.load)))
+        Chart::new(title, across, Axis::new("friction", Unit::symbol_of(&channels.load)))
             .scatter("measured", Hue::Ink, Marker::Circle, less(&measured))
             .line("before", Hue::Vermillion, Dash::Dashed, less(&before))
             .line("after", Hue::Blue, Dash::Solid, less(&after))

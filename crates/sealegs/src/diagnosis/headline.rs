@@ -3,8 +3,8 @@
 use super::confidence::Level;
 use super::outcome::{Outcome, ParameterValue, RungSaid, percent};
 use super::text::{another_name, other_conventions};
-use crate::report::force;
 use crate::report::units::{capital, error, symbol, with_interval};
+use crate::report::{WIDE_RATIO, force};
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Hue};
 use sealegs_recorder::report::{Answer, Report, Tone};
 
@@ -13,9 +13,6 @@ const VALUES: usize = 6;
 
 /// Rivals that are listed.
 const RIVALS: usize = 4;
-
-/// Ratio of errors from which on a linear axis would hide the smaller ones.
-const WIDE_RATIO: f64 = 20.0;
 
 /// An effect in words with its place: `knee/coulomb-friction` is `Coulomb friction at knee`.
 fn in_words(effect: &str) -> String {

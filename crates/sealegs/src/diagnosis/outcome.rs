@@ -275,7 +275,7 @@ fn channel_errors(
     let data = Data::new(campaign, Some(Role::Holdout), model)?;
     let left = data.judge(model, &fit.values, fit.sensors())?;
     let said = |e: residual::PooledError| ChannelSaid {
-        unit: Unit::of_channel(&e.channel).map_or_else(|_| String::new(), |u| u.symbol().to_owned()),
+        unit: Unit::symbol_of(&e.channel).to_owned(),
         holdout_rms: e.rms,
         holdout_mean_absolute: e.mean_absolute,
         holdout_error: e.error,

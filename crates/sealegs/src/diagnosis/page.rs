@@ -6,6 +6,7 @@ use super::text::{digits_for, evidence, figures as number};
 use super::{figures, friction, headline};
 use crate::comparison::page::{depends, place, remarks};
 use crate::report::fails;
+use sealegs_model::Unit;
 use sealegs_recorder::chart::{Axis, Bar, BarChart, Chart, Dash, Hue};
 use sealegs_recorder::report::{self, Report, Table};
 use sealegs_sysid::diagnose::Play;
@@ -169,7 +170,7 @@ fn parameters(page: &mut Report, o: &Outcome) {
     }
     let mut sensors = Table::new().words("sensor").numbers("gain", "").numbers("bias", "").words("unit");
     for s in &last.sensors {
-        let unit = crate::comparison::text::unit(&s.channel).to_owned();
+        let unit = Unit::symbol_of(&s.channel).to_owned();
         let channel = channel_of(&s.channel, s.of_unit.as_deref()).into_owned();
         sensors.row([channel, format!("{:.4}", s.gain), number(s.bias, 3), unit]);
     }
@@ -200,7 +201,7 @@ fn ports(page: &mut Report, o: &Outcome) {
 
 fn proposed(page: &mut Report, story: &Story) {
     let Some(Play::Input { channel, time_s, values }) = story.experiment.map(|e| &e.play) else { return };
-    let unit = crate::comparison::text::unit(channel);
+    let unit = Unit::symbol_of(channel);
     let points = time_s.iter().copied().zip(values.iter().copied()).collect();
     let chart = Chart::new("Proposed input", Axis::new("time", "s"), Axis::new(channel, unit))
         .line("", Hue::Blue, Dash::Solid, points)

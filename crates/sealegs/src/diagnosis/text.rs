@@ -102,7 +102,18 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
         outcome.work.simulated_s,
         outcome.work.simulated_s / seconds.max(1e-3)
     );
+    again_below(&mut out, &outcome.campaign, &outcome.sentence);
     out
+}
+
+/// Lines of a terminal, less some for what stands above: a longer text says its answer again at its end.
+const SCREEN: usize = 24;
+
+/// Says the answer again where it has gone off the top of a terminal.
+pub(crate) fn again_below(out: &mut String, campaign: &str, answer: &str) {
+    if out.lines().count() > SCREEN {
+        let _ = writeln!(out, "\n{campaign}: {answer}");
+    }
 }
 
 /// Evidence with no more digits than mean something.

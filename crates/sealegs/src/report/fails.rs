@@ -3,9 +3,10 @@
 use super::units::{capital, error};
 use crate::comparison::Part;
 use crate::comparison::overlay::{Look, shown};
-use crate::comparison::text::unit;
+use sealegs_model::Unit;
 use sealegs_recorder::chart::{Axis, Chart, Dash, HeatMap, Hue, Picture};
 use sealegs_recorder::report::Report;
+use sealegs_sysid::data::Block;
 use sealegs_sysid::{Evaluation, Role, residual};
 
 /// Small multiples that are open.
@@ -109,21 +110,26 @@ impl Shown<'_, '_> {
     }
 }
 
+/// Every run and channel of some runs with its errors.
+fn every<'p, 'd>(part: &'p Part<'d>) -> Vec<Shown<'p, 'd>> {
+    let before = residual::table(&part.data, &part.before);
+    let after = part.after.as_ref().map(|at| residual::table(&part.data, at));
+    let shown = |(i, (block, line)): (usize, (&Block, residual::ChannelError))| Shown {
+        part,
+        run: block.run,
+        slot: block.slot,
+        channel: line.channel,
+        before: line.error,
+        after: after.as_ref().and_then(|a| a.get(i)).map(|a| a.error),
+    };
+    part.before.blocks.iter().zip(before).enumerate().map(shown).collect()
+}
+
 /// The run of each channel in which it improved most, the most improved channel first.
 fn improved<'p, 'd>(parts: &'p [Part<'d>]) -> Vec<Shown<'p, 'd>> {
     let mut best: Vec<Shown> = Vec::new();
     for part in parts {
-        let before = residual::table(&part.data, &part.before);
-        let after = part.after.as_ref().map(|at| residual::table(&part.data, at));
-        for (i, (block, line)) in part.before.blocks.iter().zip(before).enumerate() {
-            let shown = Shown {
-                part,
-                run: block.run,
-                slot: block.slot,
-                channel: line.channel,
-                before: line.error,
-                after: after.as_ref().and_then(|a| a.get(i)).map(|a| a.error),
-            };
+        for shown in every(part) {
             match best.iter_mut().find(|b| b.channel == shown.channel) {
                 Some(other) if shown.gain() > other.gain() => *other = shown,
                 Some(_) => {}
@@ -173,7 +179,7 @@ fn picture(s: &Shown, models: &Models, named: bool) -> Chart {
     let role = if r.role == Role::Holdout { "h: " } else { "" };
     let title = format!("{}, {role}{}: {errors}", s.channel, short(&r.record.name));
     let name = |text: &'static str| if named { text } else { "" };
-    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", unit(&s.channel)))
+    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", Unit::symbol_of(&s.channel)))
         .line(name("measured"), Hue::Ink, Dash::Solid, points(measured))
         .line(name(models.before.0), models.before.1, models.before.2, points(&first));
     match second {
@@ -191,6 +197,15 @@ pub(crate) fn foremost(parts: &[Part], models: &Models, effects: &[String]) -> O
     let is_there = |s: &&Shown| s.channel.split_once('.').is_some_and(|(place, _)| places.contains(&place));
     let first = improved.iter().find(is_there).or_else(|| improved.first())?;
     Some(picture(first, models, true))
+}
+
+/// The picture of the channel and run in which the second model, or the only one, is furthest off; `None` where nothing was
+/// compared.
+pub(crate) fn worst(part: &Part, models: &Models) -> Option<Chart> {
+    let left = |s: &Shown| s.after.unwrap_or(s.before);
+    let every = every(part);
+    let worst = every.iter().max_by(|a, b| left(a).total_cmp(&left(b)))?;
+    Some(picture(worst, models, true))
 }
 
 /// Measured and both models, a small picture for each of the channels that improved most.

@@ -3,3 +3,6 @@
 pub(crate) mod fails;
 pub(crate) mod force;
 pub(crate) mod units;
+
+/// Ratio of two bars from which on a linear axis would hide the shorter one.
+pub(crate) const WIDE_RATIO: f64 = 20.0;

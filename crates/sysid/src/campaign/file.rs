@@ -3,7 +3,7 @@
 use super::columns::{self, FileEntry, MappedColumn, RawColumns, RawFile};
 use super::{Bench, Role};
 use crate::Error;
-use sealegs_model::InputHold;
+use sealegs_model::{InputHold, plain};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -132,7 +132,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
     let raw: RawCampaign = toml::from_str(text).map_err(|e| {
         let missing = e.message().starts_with("missing field");
         let meant: String = if missing { misspelt(text) } else { String::new() };
-        let problem = e.message().replace('\n', " ") + &meant;
+        let problem = plain(&e.message().replace('\n', " ")) + &meant;
         Error::bad(path, e.span().map(|s| line_at(s.start)), None, problem)
     })?;
     let line = |span: std::ops::Range<usize>| line_at(span.start);

@@ -106,10 +106,6 @@ pub(super) fn in_runs(campaign: &Campaign, runs: &[usize], of: usize) -> String 
     }
 }
 
-pub(super) fn unit(channel: &str) -> &'static str {
-    Unit::of_channel(channel).map_or("", Unit::symbol)
-}
-
 /// Standard deviation of measured less predicted values.
 fn apart(measured: &Pair, predicted: &Pair) -> f64 {
     let rows = measured.rows.iter().cloned().flatten();
@@ -156,7 +152,7 @@ fn swapped(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
                 || a.judged
                 || b.judged
                 || !(a.moves() && b.moves())
-                || unit(a.pair.channel) != unit(b.pair.channel)
+                || Unit::symbol_of(a.pair.channel) != Unit::symbol_of(b.pair.channel)
             {
                 continue;
             }
@@ -263,7 +259,11 @@ fn of_marks(
                 "`{channel}` holds whole numbers only, {} times what the model says (correlation {r:.3}) {place}: counts?",
                 short(slope)
             ),
-            format!("divide `{channel}` by {sign}{} counts per {}", short(slope.abs()), unit(channel)),
+            format!(
+                "divide `{channel}` by {sign}{} counts per {}",
+                short(slope.abs()),
+                Unit::symbol_of(channel)
+            ),
         ),
         Problem::UnitFactor => {
             let (factor, name) = probable(channel, slope)?;
@@ -273,7 +273,11 @@ fn of_marks(
                     "`{channel}` is {} times what the model says{times} (correlation {r:.3}) {place}: {name}?",
                     short(slope.abs())
                 ),
-                format!("divide `{channel}` by {sign}{}; its name says {}", short(factor), unit(channel)),
+                format!(
+                    "divide `{channel}` by {sign}{}; its name says {}",
+                    short(factor),
+                    Unit::symbol_of(channel)
+                ),
             )
         }
         _ => (
@@ -334,7 +338,11 @@ fn command(
                 "every sensor shows {} times what the model makes of `{channel}` (correlation {r:.3}) {place}: {name}?",
                 short(slope)
             ),
-            format!("divide `{channel}` by {sign}{}; its name says {}", short(factor), unit(&channel)),
+            format!(
+                "divide `{channel}` by {sign}{}; its name says {}",
+                short(factor),
+                Unit::symbol_of(&channel)
+            ),
         ),
         None if odd => (
             Problem::OddScale,

@@ -109,7 +109,7 @@ fn spikes(campaign: &Campaign) -> Vec<Finding> {
             let of_runs: Vec<_> = of_runs.filter(|s| s.channel == channel).collect();
             let rows: usize = of_runs.iter().map(|s| s.rows.len()).sum();
             let size = crate::stats::median(&of_runs.iter().map(|s| s.size).collect::<Vec<_>>());
-            let unit = Unit::of_channel(channel).map_or("", Unit::symbol);
+            let unit = Unit::symbol_of(channel);
             let share = rows as f64 / all.max(1) as f64;
             let (are, they) =
                 if rows == 1 { ("row is a spike", "it is") } else { ("rows are spikes", "they are") };

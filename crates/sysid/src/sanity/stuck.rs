@@ -1,11 +1,12 @@
 //! Columns that do not move although the model does: dead ones, and ones that stop at their extremes.
 
-use super::against::{FOLLOWS, Seen, by_channel, in_runs, unit};
+use super::against::{FOLLOWS, Seen, by_channel, in_runs};
 use super::pair::Line;
 use super::policy::EXCITED;
 use super::units::short;
 use super::{Finding, Problem, Severity, finding};
 use crate::{Campaign, stats};
+use sealegs_model::Unit;
 
 /// A column that never changes is dead only if its prediction moves by this share of what the columns of its unit do: of
 /// zero noise everything is a multiple.
@@ -25,7 +26,9 @@ pub(super) fn dead(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
     let moved_most: Vec<f64> = seen
         .iter()
         .map(|s| {
-            let alike = |o: &&Seen| o.pair.run == s.pair.run && unit(o.pair.channel) == unit(s.pair.channel);
+            let alike = |o: &&Seen| {
+                o.pair.run == s.pair.run && Unit::symbol_of(o.pair.channel) == Unit::symbol_of(s.pair.channel)
+            };
             seen.iter().filter(alike).map(|o| o.line.predicted).fold(0.0, f64::max)
         })
         .collect();
@@ -60,7 +63,7 @@ pub(super) fn dead(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
             format!(
                 "`{channel}` moves by {} {} (rms) where the model moves by {}, {}: dead?",
                 short(shown),
-                unit(channel),
+                Unit::symbol_of(channel),
                 short(wanted),
                 in_runs(campaign, &runs, of.len())
             ),
@@ -97,7 +100,7 @@ pub(super) fn clipped(campaign: &Campaign, seen: &[Seen]) -> Vec<Finding> {
             format!(
                 "`{channel}` stands at {} {} for {} % of the rows while the model goes on, {}: at its limit?",
                 short(limit),
-                unit(channel),
+                Unit::symbol_of(channel),
                 short(100.0 * share),
                 in_runs(campaign, &runs, of.len())
             ),

@@ -42,94 +42,23 @@
 
 mod curve;
 mod expression;
+mod file;
 mod laws;
+mod written;
 
 pub use expression::{Expression, Fault};
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use serde::Deserialize;
-
+use super::Effect;
 use super::setting::Setting;
-use super::{CATALOGUE, Effect};
 use crate::ActuatorError;
-use crate::plant::{Link, Plant};
+use crate::plant::Plant;
 use crate::text::{line_of, parse_toml};
 use curve::OnCurve;
-use laws::{BesideSpring, InDrive, OnOutput, OnRotor};
-use sealegs_model::{Curve, EffectCard, Law, Parameter};
-
-/// Most parameters of one law.
-const MOST_PARAMETERS: usize = 16;
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Place {
-    Rotor,
-    Drive,
-    Spring,
-    Output,
-}
-
-impl Place {
-    fn variables(self) -> &'static [&'static str] {
-        match self {
-            Self::Rotor => &["y", "y_dot", "theta", "theta_dot", "F_bs", "t"],
-            Self::Drive => &["u", "F_m", "y_dot", "theta_dot"],
-            Self::Spring => &["delta", "delta_dot", "F_k"],
-            Self::Output => &["theta", "theta_dot", "y", "y_dot", "t"],
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Rotor => "rotor",
-            Self::Drive => "drive",
-            Self::Spring => "spring",
-            Self::Output => "output",
-        }
-    }
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct File {
-    id: String,
-    acts_on: Place,
-    law: String,
-    #[serde(default)]
-    parameters: BTreeMap<String, ParameterFile>,
-    summary: Option<String>,
-    told_apart: Option<String>,
-    cure: Option<String>,
-}
-
-/// A file whose law is a curve.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct CurveFile {
-    id: String,
-    /// Where on a leg `add` puts it.
-    place: Option<String>,
-    acts_on: String,
-    curve: Curve,
-    summary: Option<String>,
-    told_apart: Option<String>,
-    cure: Option<String>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ParameterFile {
-    guess: Option<f64>,
-    min: Option<f64>,
-    max: Option<f64>,
-    #[serde(default)]
-    unit: String,
-    fixed: Option<f64>,
-    neutral: Option<f64>,
-}
+use file::{CurveFile, File, MOST_PARAMETERS, Place, check_id, law_place, parameter};
+use sealegs_model::{EffectCard, Law, Parameter};
+use written::Written;
 
 /// An effect that a user wrote.
 #[derive(Debug, Clone)]
@@ -151,14 +80,6 @@ enum OwnLaw {
     Expression(Written),
     /// What a curve gives.
     Curve(OnCurve),
-}
-
-/// An expression at its place.
-#[derive(Debug, Clone)]
-struct Written {
-    place: Place,
-    text: String,
-    expression: Expression,
 }
 
 impl OwnEffect {
@@ -293,173 +214,6 @@ impl OwnEffect {
     pub fn included_id(&self) -> String {
         let place = self.definition.get("place").and_then(toml::Value::as_str);
         place.map_or_else(|| self.id.clone(), |place| format!("{place}/{}", self.id))
-    }
-}
-
-impl Written {
-    /// Signs and sizes of the variables at which a law must be finite: rest, and ordinary and small motion.
-    fn probes(&self) -> Vec<Vec<f64>> {
-        let count = self.place.variables().len();
-        let mut probes = vec![vec![0.0; count]];
-        for (i, size) in [1.0, 1e-3, 30.0].into_iter().enumerate() {
-            for signs in 0..(1 << count) {
-                let value = |k: usize| {
-                    let sign = if signs >> k & 1 == 1 { -1.0 } else { 1.0 };
-                    // No two variables of the same size, so that nothing cancels by chance.
-                    sign * size * (1.0 + 0.37 * (k + i) as f64)
-                };
-                probes.push((0..count).map(value).collect());
-            }
-        }
-        probes
-    }
-
-    fn check_finite(&self, parameters: &[Parameter]) -> Result<(), ActuatorError> {
-        let guess: Vec<f64> = parameters.iter().map(|p| p.value).collect();
-        let mut sets = vec![guess.clone()];
-        for (i, p) in parameters.iter().enumerate().filter(|(_, p)| !p.fixed) {
-            for bound in [p.min, p.max] {
-                let mut values = guess.clone();
-                values[i] = bound;
-                sets.push(values);
-            }
-        }
-        for set in &sets {
-            for probe in self.probes() {
-                let all: Vec<f64> = probe.iter().chain(set).copied().collect();
-                if let Err(fault) = self.expression.checked(&all) {
-                    let names = self.place.variables().iter().copied();
-                    let names = names.chain(parameters.iter().map(|p| p.name.as_str()));
-                    let at: Vec<String> = names.zip(&all).map(|(n, v)| format!("{n} = {v}")).collect();
-                    let admitted = format!(
-                        "finite wherever it may be asked; at character {}: {}, with {}",
-                        fault.character,
-                        fault.message,
-                        at.join(", ")
-                    );
-                    return Err(ActuatorError::value("law", format!("\"{}\"", self.text), admitted));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Finds where the effect vanishes: what the file says, else all parameters zero that may be zero.
-    fn find_neutral(
-        &self,
-        said: &BTreeMap<String, ParameterFile>,
-        parameters: &mut [Parameter],
-    ) -> Result<(), ActuatorError> {
-        let told = said.values().any(|p| p.neutral.is_some());
-        let neutral: Vec<Option<f64>> = parameters
-            .iter()
-            .map(|p| match said.get(&p.name).and_then(|s| s.neutral) {
-                Some(neutral) => Some(neutral),
-                None if told || p.fixed || p.min > 0.0 || p.max < 0.0 => None,
-                None => Some(0.0),
-            })
-            .collect();
-        let at: Vec<f64> = parameters.iter().zip(&neutral).map(|(p, n)| n.unwrap_or(p.value)).collect();
-        let law = self.expression.bind(self.place.variables().len(), &at);
-        for probe in self.probes() {
-            // A drive leaves the command as it is, everything else gives no force.
-            let without = if self.place == Place::Drive { probe[0] } else { 0.0 };
-            if law.value(&probe) != without {
-                let admitted = if self.place == Place::Drive { "'u'" } else { "zero" };
-                return Err(ActuatorError::value(
-                    "law",
-                    format!("\"{}\"", self.text),
-                    format!(
-                        "{admitted} where its parameters are neutral: let those that switch it off reach 0 \
-                         within min and max, or give them 'neutral'"
-                    ),
-                ));
-            }
-        }
-        for (parameter, neutral) in parameters.iter_mut().zip(neutral) {
-            parameter.neutral = neutral;
-        }
-        Ok(())
-    }
-}
-
-fn check_id(id: &str) -> Result<(), ActuatorError> {
-    let word = |w: &str| !w.is_empty() && w.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
-    if id.len() > 64 || !id.split('-').all(word) {
-        return Err(ActuatorError::value("id", format!("\"{id}\""), "lower-case words joined by '-'"));
-    }
-    let setting = Setting::unknown();
-    if CATALOGUE.iter().any(|e| e.card(&setting).id == id) {
-        return Err(ActuatorError::value("id", format!("\"{id}\""), "another name than the catalogue's"));
-    }
-    Ok(())
-}
-
-fn parameter(name: &str, said: &ParameterFile, variables: &[&str]) -> Result<Parameter, ActuatorError> {
-    let field = |key: &str| format!("parameters.{name}.{key}");
-    let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
-    if !starts || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-        return Err(ActuatorError::value("parameters", format!("\"{name}\""), "letters, digits and '_'"));
-    }
-    if variables.contains(&name) || expression::is_reserved(name) {
-        return Err(ActuatorError::value("parameters", name, "no name of a variable or function"));
-    }
-    let given = [("guess", said.guess), ("min", said.min), ("max", said.max), ("neutral", said.neutral)];
-    for (key, value) in given.into_iter().chain([("fixed", said.fixed)]) {
-        if let Some(value) = value.filter(|v| !v.is_finite()) {
-            return Err(ActuatorError::value(field(key), value, "finite"));
-        }
-    }
-    if let Some(value) = said.fixed {
-        if let Some((key, Some(other))) = given.into_iter().find(|(_, v)| v.is_some()) {
-            return Err(ActuatorError::value(field(key), other, "absent beside 'fixed'"));
-        }
-        return Ok(Parameter { fixed: true, ..Parameter::new(name, &said.unit, value, value, value) });
-    }
-    let missing = |key: &str| ActuatorError::value(field(key), "nothing", "given, or 'fixed' in place of it");
-    let guess = said.guess.ok_or_else(|| missing("guess"))?;
-    let min = said.min.ok_or_else(|| missing("min"))?;
-    let max = said.max.ok_or_else(|| missing("max"))?;
-    if !(min <= guess && guess <= max && min < max) {
-        return Err(ActuatorError::value(
-            field("guess"),
-            guess,
-            format!("between min and max, {min} and {max}"),
-        ));
-    }
-    if let Some(neutral) = said.neutral.filter(|n| !(min..=max).contains(n)) {
-        return Err(ActuatorError::value(field("neutral"), neutral, format!("between {min} and {max}")));
-    }
-    Ok(Parameter::new(name, &said.unit, guess, min, max))
-}
-
-/// Line of the law in a file, and how many columns come before its text.
-fn law_place(text: &str) -> (usize, usize) {
-    let line = line_of(text, "law").unwrap_or(1);
-    let written = text.lines().nth(line - 1).unwrap_or_default();
-    let quote = written.char_indices().find(|(_, c)| *c == '"' || *c == '\'').map_or(0, |(i, _)| i);
-    (line, written[..quote].chars().count() + 1)
-}
-
-impl Written {
-    fn install(&self, values: &[f64], plant: &mut Plant) {
-        let law = self.expression.bind(self.place.variables().len(), values);
-        let per_travel = 1.0 / plant.travel_per_rad;
-        match self.place {
-            Place::Rotor => plant.laws.rotor_forces.push(Box::new(OnRotor { law, per_travel })),
-            Place::Drive => {
-                let force_per_command = plant.force_per_command;
-                plant.laws.drive_limits.push(Box::new(InDrive { law, per_travel, force_per_command }));
-            }
-            Place::Spring => {
-                plant.laws.spring_forces.push(Box::new(BesideSpring { law, stiffness: plant.stiffness }));
-            }
-            Place::Output => {
-                let link = plant.rigid.unwrap_or(plant.link_2);
-                let arm = if let Link::Pendulum { arm_m, .. } = link { arm_m } else { 1.0 };
-                plant.output_forces.push(Box::new(OnOutput { law, arm }));
-            }
-        }
     }
 }
 

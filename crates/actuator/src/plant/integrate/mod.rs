@@ -7,13 +7,14 @@
 //! step's matrices are constant, so that a step is two small matrix products.
 
 mod rub;
+mod state;
 
-use super::friction::Held;
 use super::linear::{LinearPart, MOST, Propagator, Row};
 use super::servo::Loop;
 use super::{Feed, GRAVITY_M_S2, Grid, Link, MOST_PRESLIDING, Observer, Plant, Trace, WobblingMass};
 use rub::Friction;
 use sealegs_model::ModelError;
+pub(super) use state::{Motion, State};
 
 pub(super) fn simulate(
     plant: &Plant,
@@ -84,44 +85,7 @@ struct Gravity {
     wobbling: Option<(usize, WobblingMass)>,
 }
 
-/// Position and velocity.
-#[derive(Clone, Copy)]
-pub(super) struct Motion<const N: usize> {
-    pub position: [f64; N],
-    pub velocity: [f64; N],
-}
-
 const THIRD: f64 = 1.0 / 3.0;
-
-/// Everything that the plant remembers at a point of the grid.
-#[derive(Clone, Copy)]
-pub(super) struct State<const N: usize> {
-    pub motion: Motion<N>,
-    /// What everything but the linear part and the command did to the motion over the last step.
-    beside: Motion<N>,
-    /// Acceleration of the sprung mass, m/s^2.
-    sprung_acceleration: f64,
-    /// Force of the spring on link 1, N, positive in compression.
-    force_1: f64,
-    /// Motor force over the last step, N.
-    pub motor: f64,
-    /// Dry friction of the rotor over the last step, N.
-    dry: f64,
-    /// Forces of the elastic presliding elements, N, positive after motion in the positive direction.
-    pub presliding: [f64; MOST_PRESLIDING],
-    /// Force of the slipping element beside the spring, N, positive in compression.
-    pub spring_slip: f64,
-    /// Forces of the observer on the rotor and on link 2 over the last step, N.
-    pull: (f64, f64),
-    /// Heat that the rotor's dry friction has made, J.
-    pub heat: f64,
-    /// s.
-    pub time_s: f64,
-    /// By how much the drive is warmer than the reference over the step to come, K.
-    warmer_k: f64,
-    /// Whether the drive's bridge is open over the step to come.
-    released: bool,
-}
 
 #[inline(always)]
 pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
@@ -482,26 +446,6 @@ impl<'a, const N: usize> Stepper<'a, N> {
         }
         if let Some(i) = self.link_1 {
             trace.link_1_position.push(q[i]);
-        }
-    }
-}
-
-impl<const N: usize> Motion<N> {
-    #[inline(always)]
-    fn plus(&self, other: &Self) -> Self {
-        Self {
-            position: std::array::from_fn(|i| self.position[i] + other.position[i]),
-            velocity: std::array::from_fn(|i| self.velocity[i] + other.velocity[i]),
-        }
-    }
-
-    #[inline(always)]
-    fn hold(&mut self, i: usize, held: Held, from: &Self) {
-        if held == Held::Yes {
-            self.velocity[i] = 0.0;
-            if from.velocity[i] == 0.0 {
-                self.position[i] = from.position[i];
-            }
         }
     }
 }

@@ -20,7 +20,7 @@ pub fn write(done: &BenchRun, path: &Path) -> anyhow::Result<()> {
         .map(|(i, s)| SeriesGroup {
             name: s.channel.clone(),
             title: s.channel.replace('_', " "),
-            unit: Unit::of_channel(&s.channel).map(|u| u.symbol().to_owned()).unwrap_or_default(),
+            unit: Unit::symbol_of(&s.channel).to_owned(),
             tab: if i == 0 || s.channel.starts_with("force") || s.channel.ends_with("_nm") {
                 "Command and forces".to_owned()
             } else {

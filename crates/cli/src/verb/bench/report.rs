@@ -26,7 +26,7 @@ pub fn html(done: &BenchRun) -> anyhow::Result<String> {
         page.verdict(Tone::Caution, "Limits were exceeded.", &done.prediction.events.join("; "));
     }
     let signals: Vec<&Signal> = done.record.inputs.iter().chain(&done.outputs).collect();
-    let unit = |s: &Signal| Unit::of_channel(&s.channel).map(Unit::symbol).unwrap_or_default();
+    let unit = |s: &Signal| Unit::symbol_of(&s.channel);
     let mut table = Table::new()
         .words("Channel")
         .words("Unit")
