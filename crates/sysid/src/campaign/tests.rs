@@ -191,6 +191,24 @@ fn inputs_must_be_exactly_one() {
 }
 
 #[test]
+fn a_command_that_did_not_change_is_stated_and_not_logged() {
+    let table = "time_s,joint_angle_rad,speed_rad_s\n".to_owned() + &rows(20);
+    let said = refused(&table);
+    // Both columns have a sensor's name: neither is a misspelt command.
+    assert!(!said.contains("did you mean"), "{said}");
+    assert!(said.contains("constant = 12.0"), "{said}");
+    let columns = "[columns]\n\"not logged\" = { as = \"voltage_v\", constant = 12.0 }\n";
+    let run = format!("{RUN}{RUN}[run.columns]\nsupply = {{ as = \"voltage_v\", constant = -6.0 }}\n");
+    let campaign = read(&description(columns, &run), Some(table.as_bytes())).unwrap();
+    let input = |run: usize| campaign.runs[run].record.input("voltage_v").unwrap().to_vec();
+    assert_eq!((input(0), input(1)), (vec![12.0; 20], vec![-6.0; 20]));
+    assert_eq!(campaign.runs[0].record.output("speed_rad_s").unwrap().len(), 20);
+    let both = table.replace("speed_rad_s", "voltage_v");
+    let twice = read(&description(columns, RUN), Some(both.as_bytes())).unwrap_err().to_string();
+    assert!(twice.contains("'voltage_v' is in the file"), "{twice}");
+}
+
+#[test]
 fn headers_are_checked() {
     let table = HEADER.to_owned() + &rows(20);
     let unit = refused(&table.replace("force_1_n", "force_1_lbf"));
