@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Look into log files of any kind and write a first campaign file
 #[derive(Args)]
 pub struct Import {
-    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run
+    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run, files with the same clock and other columns one run together
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write campaign.toml into this folder, which is made if it is not there
