@@ -11,7 +11,7 @@
 //! - `bias_r = common ± run_bias_std` for each fitted run `r`, and `common = 0 ± bias_std`: a sensor is
 //!   tared anew before a run on many rigs. A run's bias is held as the gain is, beside the common one, of which a mounting
 //!   may know little. The common one is held as well, only farther away: within [`SensorPrior::BIAS_LIMIT`] of its standard
-//!   deviations, or half of what the sensor showed.
+//!   deviations, or for a drive's own encoder half of what it showed.
 //!
 //! # The zero of a held-out run
 //!
@@ -57,9 +57,9 @@ impl SensorPrior {
     /// load cell. A zero is set wrongly by less; a joint that stands 20 rad beside its model is no matter of zeros.
     pub const BIAS_LIMIT: f64 = 10.0;
 
-    /// Or within this share of the greatest magnitude that it showed, where that is more. An encoder's standard deviation is of
-    /// the size of its noise, and beside a drive without its friction it drifts by thousands of those: such a base model is
-    /// wrong, and it must still be fitted where it is least so.
+    /// Or within this share of the greatest magnitude, where a drive's own encoder shows a position and that is more. Its standard
+    /// deviation is of the size of its noise, and beside a drive without its friction it drifts by thousands of those: such a base
+    /// model is wrong, and it must still be fitted where it is least so. A speed or a mounted joint has no such drift.
     const BIAS_SHARE: f64 = 0.5;
 
     /// The default for a channel, by its unit and the greatest magnitude that it showed.
@@ -91,7 +91,10 @@ impl SensorPrior {
             }
             _ => (10.0 * wide, wide),
         };
-        let bias_limit = (Self::BIAS_LIMIT * bias_std).max(Self::BIAS_SHARE * peak);
+        let drifts =
+            matches!(channel, "motor_angle_rad" | "position_m") || channel.ends_with(".rotor_angle_rad");
+        let share = if drifts { Self::BIAS_SHARE } else { 0.0 };
+        let bias_limit = (Self::BIAS_LIMIT * bias_std).max(share * peak);
         Self { gain_std, bias_std, run_bias_std, bias_limit }
     }
 

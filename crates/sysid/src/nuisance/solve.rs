@@ -310,18 +310,19 @@ mod tests {
             sums
         };
         let prior = SensorPrior::of_channel("arm_2_joint.angle_rad", 1e-5, 1.5);
-        // Mounted within 0.02 rad; the limit is half of the 1.5 rad that it showed.
-        assert_eq!((prior.bias_std, prior.bias_limit), (0.02, 0.75));
+        // Mounted within 0.02 rad; the limit is ten of those.
+        assert_eq!(prior.bias_std, 0.02);
+        assert!((prior.bias_limit - 0.2).abs() < 1e-12);
         let sensor = solve("arm_2_joint.angle_rad", 1e-5, prior, &[(0, beside(-20.0)), (1, beside(-20.0))]);
-        assert!((sensor.bias + 0.75).abs() < 1e-12, "{sensor:?}");
-        let most = 0.75 + SensorPrior::RUN_BIAS_LIMIT * prior.run_bias_std;
+        assert!((sensor.bias + 0.2).abs() < 1e-12, "{sensor:?}");
+        let most = 0.2 + SensorPrior::RUN_BIAS_LIMIT * prior.run_bias_std;
         assert_eq!(sensor.at_limit, [0, 1]);
         for run in [0, 1] {
             assert!((sensor.bias_of(run) + most).abs() < 1e-12, "{sensor:?}");
         }
-        // A joint that hardly moves: ten standard deviations of its mounting.
-        let still = SensorPrior::of_channel("joint_angle_rad", 1e-5, 0.1);
-        assert!((still.bias_limit - 0.05f64.max(10.0 * still.bias_std)).abs() < 1e-12);
+        // A speed is at rest where the drive is; a drive's own position may have drifted by half of what it showed.
+        let limit = |channel| SensorPrior::of_channel(channel, 1e-4, 0.25).bias_limit;
+        assert!((limit("speed_rad_s") - 20e-4).abs() < 1e-12 && limit("position_m") == 0.125);
         // A zero that lies within the limit is found as before, with a gain beside it.
         let gained = SensorPrior { gain_std: 0.01, bias_std: 0.3, run_bias_std: 0.1, bias_limit: 3.0 };
         let sensor = solve("force_1_n", 1e-3, gained, &[(0, beside(0.2)), (1, beside(0.2))]);
