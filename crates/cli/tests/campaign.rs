@@ -68,7 +68,10 @@ fn a_drives_file_in_the_place_of_a_robot_is_told_what_was_meant() {
     let message = String::from_utf8_lossy(&done.stderr);
     assert_eq!(done.status.code(), Some(2), "{message}");
     assert!(message.contains("campaign.toml") && message.contains("line 2"), "{message}");
-    assert!(message.contains("is a drive's file") && message.contains("actuator = \"drive.toml\""), "{message}");
+    assert!(
+        message.contains("is a drive's file") && message.contains("actuator = \"drive.toml\""),
+        "{message}"
+    );
 }
 
 #[test]

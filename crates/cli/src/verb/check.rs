@@ -128,11 +128,13 @@ fn text(campaign: &Campaign, rotary: bool, found: &Check) -> String {
             e.reversals
         );
     }
-    let _ = writeln!(
-        out,
-        "Speed and load are the nominal model's, in {}; the band holds the middle 90 % of the input's power.",
-        if rotary { "rad/s and N m" } else { "m/s and N" }
-    );
+    // A robot has a speed and a load at every joint, and none of its own.
+    let of = match (found.excited.iter().any(|e| e.speed_peak.is_some()), rotary) {
+        (false, _) => "The",
+        (true, true) => "Speed and load are the nominal model's, in rad/s and N m; the",
+        (true, false) => "Speed and load are the nominal model's, in m/s and N; the",
+    };
+    let _ = writeln!(out, "{of} band holds the middle 90 % of the input's power.");
     let _ = writeln!(out, "\nNoise, one standard deviation");
     for n in &campaign.noise {
         let unit = unit(&n.channel);

@@ -204,8 +204,12 @@ fn left(s: &Shown, models: &Models) -> Option<Chart> {
         rows.clone().filter(|i| *i < v.len()).map(|i| (r.record.time_s[i], v[i])).collect()
     };
     let title = format!("{}, {}: measured minus predicted", s.channel, short(&r.record.name));
-    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", unit(&s.channel)))
-        .line("", models.before.1, models.before.2, points(&first));
+    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", unit(&s.channel))).line(
+        "",
+        models.before.1,
+        models.before.2,
+        points(&first),
+    );
     Some(match s.part.after.as_ref().and_then(of) {
         Some(second) => chart.line("", models.after.1, models.after.2, points(&second)),
         None => chart,
