@@ -51,6 +51,30 @@ fn side(value: &Value) {
 }
 
 #[test]
+fn a_drives_file_in_the_place_of_a_robot_is_told_what_was_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: String = (0..40).map(|i| format!("{},{},0\n", 0.01 * f64::from(i), i % 3)).collect();
+    let drive = "id = \"d\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 0.1\n\
+                 rotor_inertia_kg_m2 = 1e-4\nrotor_damping_nm_s = 1e-3\n[transmission]\ntype = \"direct\"\n";
+    let campaign = "bench = \"robot\"\nrobot = \"drive.toml\"\n[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\n";
+    for (name, text) in [
+        ("r.csv", format!("time_s,elbow.torque_nm,elbow.angle_rad\n{rows}")),
+        ("drive.toml", drive.to_owned()),
+        ("campaign.toml", campaign.to_owned()),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let done = sealegs(1, &["check", &text(folder.path())]);
+    let message = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(2), "{message}");
+    assert!(message.contains("campaign.toml") && message.contains("line 2"), "{message}");
+    assert!(
+        message.contains("is a drive's file") && message.contains("actuator = \"drive.toml\""),
+        "{message}"
+    );
+}
+
+#[test]
 fn check_says_what_is_in_the_files_and_needs_no_role() {
     let folder = tempfile::tempdir().unwrap();
     let campaign = campaign(folder.path(), 6.0);

@@ -67,6 +67,48 @@ fn topics_joints_and_faults_are_shown() {
 }
 
 #[test]
+fn files_with_one_clock_are_one_run_of_a_robot_and_single_numbers_are_comments() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, quantity: &str, step: f64| {
+        let rows: String = (0..40)
+            .map(|i| {
+                let (t, x) = (step * f64::from(i), (0.3 * f64::from(i)).sin());
+                format!("{t},{x},{}\n", 0.5 * x)
+            })
+            .collect();
+        let file = folder.path().join(name);
+        std::fs::write(&file, format!("t,- arm_1_joint_{quantity},- arm_2_joint_{quantity}\n{rows}"))
+            .unwrap();
+        file
+    };
+    let (position, effort) = (write("position.csv", "position", 0.01), write("effort.csv", "effort", 0.01));
+    let out = folder.path().join("same");
+    said(&["import", text(&position), text(&effort), "-o", text(&out)]);
+    let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+    assert!(written.contains("bench = \"robot\"") && written.matches("[[run]]").count() == 1, "{written}");
+    let campaign = Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{written}"));
+    let record = &campaign.runs[0].record;
+    assert!(record.input("arm_2_joint.torque_nm").is_some(), "{written}");
+    assert!(record.output("arm_1_joint.angle_rad").is_some(), "{written}");
+    // Another clock is another run.
+    let slower = write("slower.csv", "effort", 0.02);
+    let out = folder.path().join("other");
+    said(&["import", text(&position), text(&slower), "-o", text(&out)]);
+    let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+    assert_eq!(written.matches("[[run]]").count(), 2, "{written}");
+
+    let servo = folder.path().join("servo.json");
+    let entries: Vec<String> =
+        (0..40).map(|i| format!("{{\"timestamp\": {}, \"position\": 0.{i}}}", 0.01 * f64::from(i))).collect();
+    let head = "\"mass\": 1.13, \"kp\": 32";
+    std::fs::write(&servo, format!("{{{head}, \"entries\": [{}]}}", entries.join(", "))).unwrap();
+    let out = folder.path().join("servo");
+    said(&["import", text(&servo), "-o", text(&out)]);
+    let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+    assert!(written.contains("mass = 1.13") && written.contains("kp = 32"), "{written}");
+}
+
+#[test]
 fn what_cannot_be_done_is_one_message_and_status_2() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("campaign.toml"), "mine").unwrap();

@@ -300,7 +300,7 @@ fn what_cannot_be_is_refused_with_a_hint() {
     let elastic = refused(RobotFile { actuator: "rmd-x8-rotary-sea".to_owned(), ..good.clone() });
     assert!(elastic.contains("without a spring"), "{elastic}");
     let linear = refused(RobotFile { actuator: "rigid-linear".to_owned(), ..good.clone() });
-    assert!(linear.contains("rotary"), "{linear}");
+    assert!(linear.contains("rotary") && linear.contains("[drive]"), "{linear}");
     let mut drives = good.clone();
     drives.drive.insert("elbw".to_owned(), "drive.toml".to_owned());
     let drives = refused(drives);
@@ -320,4 +320,6 @@ fn what_cannot_be_is_refused_with_a_hint() {
     let hint = model.refuses_input("elbw.torque_nm").expect("no such joint");
     assert!(hint.contains("did you mean 'elbow.torque_nm'?"), "{hint}");
     assert_eq!(model.refuses_input("elbow.torque_nm"), None);
+    // Both joints turn, and no sensor's unit says so.
+    assert_eq!(model.rotary_places(), ["shoulder", "elbow"]);
 }

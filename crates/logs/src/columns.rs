@@ -25,6 +25,8 @@ pub struct ColumnMap {
     pub wrap: Option<f64>,
     /// Whether a run may be without it.
     pub optional: bool,
+    /// No column of the file: every row has this value, in the channel's unit. `source` is then a name that nothing looks for.
+    pub constant: Option<f64>,
 }
 
 /// What the campaign file says of a column: `"name"`, or a table of these keys.
@@ -41,6 +43,7 @@ pub struct Described {
     wrap: Option<Wrap>,
     #[serde(default)]
     optional: bool,
+    constant: Option<f64>,
 }
 
 /// `true`: a whole turn; a number: so much.
@@ -62,7 +65,7 @@ impl<'de> Deserialize<'de> for Said {
             type Value = Said;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a channel's name, or { as = \"name\", scale = …, offset = …, sign = …, unit = …, wrap = … }")
+                f.write_str("a channel's name, or { as = \"name\", scale = …, offset = …, sign = …, unit = …, wrap = … }, or { as = \"name\", constant = … }")
             }
 
             fn visit_str<E>(self, name: &str) -> Result<Said, E> {
@@ -88,6 +91,7 @@ impl ColumnMap {
             offset: 0.0,
             wrap: None,
             optional: false,
+            constant: None,
         }
     }
 
@@ -130,13 +134,26 @@ impl ColumnMap {
         let offset = finite(said.offset, "offset", 0.0)?;
         let whole = scale * sign * factor;
         if whole == 0.0 || !whole.is_finite() {
-            return Err(format!("'scale' is {scale}; all values would be the same"));
+            return Err(format!(
+                "'scale' is {scale}; all values would be the same; a constant is {{ as = \"{target}\", constant = … }}"
+            ));
         }
+        let offset = scale * sign * add + offset;
+        let constant = match said.constant {
+            None => None,
+            Some(_) if target == "time_s" => return Err("'constant' makes no time".to_owned()),
+            Some(_) if wrap.is_some() => return Err("'wrap' says nothing of a constant".to_owned()),
+            Some(value) if !(whole * value + offset).is_finite() => {
+                return Err(format!("'constant' is {value}; must be finite"));
+            }
+            Some(value) => Some(whole * value + offset),
+        };
         Ok(Self {
             source: source.to_owned(),
             target: target.to_owned(),
             scale: whole,
-            offset: scale * sign * add + offset,
+            offset,
+            constant,
             wrap,
             optional: said.optional,
         })
@@ -208,6 +225,13 @@ mod tests {
     }
 
     #[test]
+    fn a_constant_is_in_the_channels_unit_whatever_it_is_said_in() {
+        let said = Described { constant: Some(12_000.0), unit: Some("mV".into()), ..described("voltage_v") };
+        let map = ColumnMap::new("supply", &said).unwrap();
+        assert!((map.constant.unwrap() - 12.0).abs() < 1e-12, "{map:?}");
+    }
+
+    #[test]
     fn what_makes_no_sense_is_refused() {
         let with = |change: fn(&mut Described)| {
             let mut said = described("current_a");
@@ -220,5 +244,8 @@ mod tests {
         assert!(with(|s| s.sign = Some(2.0)).contains("1 or -1"));
         assert!(with(|s| s.wrap = Some(Wrap::Period(-1.0))).contains("positive"));
         assert!(with(|s| s.offset = Some(f64::NAN)).contains("finite"));
+        assert!(with(|s| s.constant = Some(f64::INFINITY)).contains("finite"));
+        let timeless = Described { constant: Some(1.0), ..described("time_s") };
+        assert!(ColumnMap::new("t", &timeless).unwrap_err().contains("time"));
     }
 }

@@ -149,7 +149,24 @@ pub(crate) fn time_unit(
     }
 }
 
-/// The joint that a name belongs to: what stands in its last brackets, or the number at its end.
+/// Words before a quantity that name no joint: a part of one drive, or what kind of number it is.
+const NO_JOINT: [&str; 16] = [
+    "motor", "joint", "spring", "load", "output", "input", "rotor", "link", "screw", "meas", "measured",
+    "actual", "raw", "filt", "real", "sensor",
+];
+
+/// What stands before the quantity at a name's end: `arm_1_joint` of `arm_1_joint_position`.
+fn before_quantity(name: &str) -> Option<String> {
+    let name = last_part(name);
+    let (rest, quantity) = name.rsplit_once('_')?;
+    let rest = rest.trim_matches(|c: char| !c.is_alphanumeric());
+    let is_quantity = WORDS.iter().any(|(_, list)| list.contains(&quantity.to_lowercase().as_str()));
+    let words = words(rest);
+    let no_joint = |w: &String| NO_JOINT.contains(&w.as_str()) || COMMANDED.contains(&w.as_str());
+    (is_quantity && !words.is_empty() && !words.iter().all(no_joint)).then(|| rest.to_owned())
+}
+
+/// The joint that a name belongs to: what stands in its last brackets or before its quantity, or the number at its end.
 fn joint(name: &str) -> Option<String> {
     let inside = name.rfind('[').and_then(|at| name[at + 1..].strip_suffix(']'));
     if let Some(inside) = inside {
@@ -157,6 +174,9 @@ fn joint(name: &str) -> Option<String> {
             Ok(number) => format!("joint{number}"),
             Err(_) => inside.to_owned(),
         });
+    }
+    if let Some(rest) = before_quantity(name) {
+        return Some(rest);
     }
     let digits = name.len() - name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
     (digits > 0 && digits < name.len()).then(|| format!("joint{}", &name[name.len() - digits..]))
@@ -190,6 +210,15 @@ pub(crate) fn roles(table: &Table, clock: Option<usize>, columns: &mut [ColumnSu
             guesses.push(First { column: i, target, settings: None, reason, rank: 0 });
         } else {
             guesses.extend(by_words(i, own, column));
+        }
+    }
+    // Of a drive that logs its position and one torque, and no command, the torque is what drives it.
+    let count = |target: &str| guesses.iter().filter(|g| g.target == target).count();
+    let is_input = |g: &First| COMMANDS.contains(&g.target);
+    if count("output_torque_nm") == 1 && count("joint_angle_rad") == 1 && !guesses.iter().any(is_input) {
+        for guess in guesses.iter_mut().filter(|g| g.target == "output_torque_nm" && g.rank > 0) {
+            guess.target = "joint_torque_nm";
+            guess.reason.push_str("; nothing else drives it: the input");
         }
     }
     guesses.sort_by_key(|g| g.rank);
@@ -242,11 +271,16 @@ const KNOWN: [&str; 18] = [
     "temperature_c",
 ];
 
+/// Those of them that drive a bench.
+const COMMANDS: [&str; 6] =
+    ["current_a", "motor_force_n", "motor_torque_nm", "voltage_v", "position_rad", "joint_torque_nm"];
+
 /// What a bench's channel is called behind the name of a joint.
 fn of_a_joint(target: &str) -> &str {
     match target {
         "joint_angle_rad" => "angle_rad",
-        "joint_torque_nm" => "torque_nm",
+        // A robot's joints are commanded by their torques: where none is said to be commanded the measured one is taken.
+        "joint_torque_nm" | "output_torque_nm" => "torque_nm",
         other => other,
     }
 }
@@ -296,8 +330,8 @@ fn by_words(index: usize, name: &str, column: &ColumnSurvey) -> Option<First> {
         settings = Some("unit = \"mA\"".to_owned());
     }
     // A command of a current is the input, a measured one only if there is none; so for torques and forces.
-    let rank =
-        1 + u8::from(quantity == Quantity::Current && commanded.is_none()) + 2 * u8::from(derived.is_some());
+    let measured = matches!(quantity, Quantity::Current | Quantity::Torque) && commanded.is_none();
+    let rank = 1 + u8::from(measured) + 2 * u8::from(derived.is_some());
     Some(First { column: index, target, settings, reason, rank })
 }
 
@@ -352,6 +386,39 @@ mod tests {
             ("tau_con2", "joint2.torque_nm"),
         ];
         assert_eq!(joints, expected.map(|(a, b)| (a.to_owned(), b.to_owned())));
+    }
+
+    #[test]
+    fn joints_are_named_before_their_quantity_and_a_lone_torque_drives() {
+        let wave = |r: usize| (r as f64).sin();
+        let of =
+            |names: &[&str]| roles_of(names, wave).into_iter().map(|(_, target)| target).collect::<Vec<_>>();
+        let arm = [
+            "t",
+            "- arm_1_joint_position",
+            "- lift_joint_position",
+            "- arm_1_joint_effort",
+            "- lift_joint_effort",
+        ];
+        let expected = [
+            "time_s",
+            "arm_1_joint.angle_rad",
+            "lift_joint.angle_rad",
+            "arm_1_joint.torque_nm",
+            "lift_joint.torque_nm",
+        ];
+        assert_eq!(of(&arm), expected);
+        assert_eq!(
+            of(&["time", "position", "velocity", "torque"]),
+            ["time_s", "joint_angle_rad", "speed_rad_s", "joint_torque_nm"]
+        );
+        // With a command the torque is a sensor's.
+        assert_eq!(
+            of(&["time", "position", "torque", "current_cmd"]),
+            ["time_s", "joint_angle_rad", "output_torque_nm", "current_a"]
+        );
+        // Two sensors of one drive are no two joints.
+        assert_eq!(of(&["t", "motor_position", "joint_position"]), ["time_s", "joint_angle_rad"]);
     }
 
     #[test]

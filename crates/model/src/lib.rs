@@ -94,6 +94,12 @@ pub trait Model: fmt::Debug + Send + Sync {
         true
     }
 
+    /// The places (see [`Prediction::places`]) whose signals are angular, N m and rad in place of N and m; the name of a
+    /// bench's only actuator is empty. Only the model knows: a drive may have no sensor whose unit tells.
+    fn rotary_places(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Runs that could be made on the rig, where an experiment is no input to play but a run of the rig's own: each
     /// record's name says what to do, and [`Model::predict`] knows it by that name.
     fn experiments(&self) -> Vec<Record> {

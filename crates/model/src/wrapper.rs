@@ -30,6 +30,10 @@ macro_rules! passes_on_to_inner {
             self.inner.with_effect(id, seen).map(|model| self.around(model))
         }
 
+        fn rotary_places(&self) -> Vec<String> {
+            self.inner.rotary_places()
+        }
+
         fn experiments(&self) -> Vec<$crate::Record> {
             self.inner.experiments()
         }

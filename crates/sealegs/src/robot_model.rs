@@ -60,8 +60,21 @@ pub fn of_source(
         ModelSource::Actuator(_) | ModelSource::Scenario(_) => {
             return Err(wrong(campaign));
         }
-        ModelSource::Campaign if is_model_file(&stated) => RobotFile::load(&campaign.folder().join(&stated))
-            .map_err(|e| campaign.bad_model(e.to_string()))?,
+        ModelSource::Campaign if is_model_file(&stated) => {
+            let path = campaign.folder().join(&stated);
+            let is_drive = || ActuatorSpec::load(&path.display().to_string(), None).is_ok();
+            match RobotFile::load(&path) {
+                Err(_) if is_drive() => {
+                    let problem = format!(
+                        "'{stated}' is a drive's file: it says nothing of the links. 'robot' names the URDF, with \
+                         actuator = \"{stated}\" beside it; or a robot's file with `robot = \"ROBOT.urdf\"`, \
+                         `actuator = \"{stated}\"` and other drives under [drive]"
+                    );
+                    return Err(campaign.bad_model(problem).into());
+                }
+                loaded => loaded.map_err(|e| campaign.bad_model(e.to_string()))?,
+            }
+        }
         ModelSource::Campaign if campaign.actuator.is_empty() => {
             return Err(without_drive(&stated).into());
         }

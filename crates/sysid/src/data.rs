@@ -63,13 +63,16 @@ pub struct Data<'a> {
     pub runs: Vec<DataRun<'a>>,
     /// The campaign's noise floor (see [`Campaign::noise_floor`]).
     pub floor: f64,
+    /// The model's places that are rotary (see [`Model::rotary_places`]).
+    rotary: Vec<String>,
     simulations: AtomicU64,
     simulated_ms: AtomicU64,
 }
 
 impl Clone for Data<'_> {
     fn clone(&self) -> Self {
-        Self::from_parts(self.channels.clone(), self.runs.clone(), self.floor)
+        let parts = Self::from_parts(self.channels.clone(), self.runs.clone(), self.floor);
+        Self { rotary: self.rotary.clone(), ..parts }
     }
 }
 
@@ -150,13 +153,21 @@ impl<'a> Data<'a> {
                 measured: outputs.iter().map(|s| s.values.as_slice()).collect(),
             });
         }
-        Ok(Self::from_parts(channels, runs, campaign.noise_floor()))
+        let parts = Self::from_parts(channels, runs, campaign.noise_floor());
+        Ok(Self { rotary: model.rotary_places(), ..parts })
     }
 
     /// Data of these channels and runs with a noise floor.
     #[must_use]
     pub fn from_parts(channels: Vec<Channel>, runs: Vec<DataRun<'a>>, floor: f64) -> Self {
-        Self { channels, runs, floor, simulations: AtomicU64::new(0), simulated_ms: AtomicU64::new(0) }
+        let none = || AtomicU64::new(0);
+        Self { channels, runs, floor, rotary: Vec::new(), simulations: none(), simulated_ms: none() }
+    }
+
+    /// Whether the model's signals at a place are angular; a bench's only actuator has no name.
+    #[must_use]
+    pub fn is_rotary(&self, place: &str) -> bool {
+        self.rotary.iter().any(|of| of == place)
     }
 
     /// The same with other rows counted, run by run: for cross-validation inside the runs.

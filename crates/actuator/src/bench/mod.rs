@@ -33,7 +33,7 @@ use crate::effect::{CATALOGUE, Effect, OwnEffect, Setting, embedded, ids};
 use crate::plant::{Feed, Grid, Plant, Trace, mean_per_step};
 use crate::spec::{EffectSpec, EffectValue, narrowed};
 use crate::text::nearest;
-use crate::{ActuatorError, ActuatorSpec, Configuration};
+use crate::{ActuatorError, ActuatorSpec, Configuration, Kind};
 use sealegs_model::{
     EffectCard, Excitation, InputHold, Law, Model, ModelError, Parameter, Prediction, Record,
 };
@@ -408,6 +408,10 @@ impl Model for BenchModel {
 
     fn predicts(&self, channel: &str) -> bool {
         channel::predicts(channel, &self.spec, &self.bench)
+    }
+
+    fn rotary_places(&self) -> Vec<String> {
+        (self.spec.kind == Kind::Rotary).then(String::new).into_iter().collect()
     }
 
     fn included(&self) -> Vec<String> {

@@ -7,7 +7,7 @@ mod parts;
 mod preset;
 
 pub(crate) use known::narrowed;
-pub use parameters::{BASE_PARAMETERS, ParameterSpec};
+pub use parameters::{BASE_PARAMETERS, ParameterSpec, is_assumed_bound};
 pub use parts::{
     Configuration, EffectSpec, EffectValue, Kind, LinkageSpec, Motor, Ratings, SensorSpec, ServoSpec,
     Transmission,

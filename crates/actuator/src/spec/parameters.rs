@@ -60,6 +60,14 @@ const BOUNDS_LINEAR: (f64, f64) = (0.5, 1.5);
 /// The same for a quantity of which only the order of magnitude is guessed.
 const BOUNDS_LOGARITHMIC: (f64, f64) = (1e-4, 1e4);
 
+/// Whether a value at a bound stands where a bound is assumed that no file states: so many times its nominal value.
+#[must_use]
+pub fn is_assumed_bound(ratio: f64) -> bool {
+    let [(a, b), (c, d)] = [BOUNDS_LINEAR, BOUNDS_LOGARITHMIC];
+    // A search keeps a hair's breadth from its bounds.
+    [a, b, c, d].iter().any(|bound| (ratio / bound - 1.0).abs() < 1e-3)
+}
+
 impl ActuatorSpec {
     /// The parameters of the plain actuator, nominal values being what the physics gives, in the fixed order of
     /// [`BASE_PARAMETERS`]; a rotary actuator has no `sprung_mass`, a drive without a spring neither that nor a

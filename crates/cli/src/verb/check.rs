@@ -3,6 +3,7 @@
 use crate::failure::OrBadInput;
 use crate::kind;
 use crate::output::Destination;
+use crate::progress;
 use clap::Args;
 use sealegs::campaign_model;
 use sealegs::diagnosis::text::figures;
@@ -39,13 +40,24 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<u8> {
     campaign.notes.extend(campaign.check_against(model.as_ref()).or_bad_input()?);
     let json = Destination::optional(arguments.json.as_ref())?;
     let wrong = sanity::look(&campaign, model.as_ref());
-    let found = check::check(&campaign, model.as_ref())?;
+    let shown = arguments.json.as_deref() != Some(Path::new("-"));
+    if shown {
+        // What is wrong with the log comes before the long work.
+        let mut out = std::io::stdout().lock();
+        write!(out, "{}", head(&campaign, &model.name(), &wrong))?;
+        out.flush()?;
+    }
+    let bar = progress::spinner();
+    let found = check::check_telling(&campaign, model.as_ref(), &progress::on(&bar));
+    bar.finish();
+    let found = found?;
     if let Some(destination) = json {
         let value = to_json(&campaign, &model.name(), &found, &wrong);
         destination.write((serde_json::to_string_pretty(&value)? + "\n").as_bytes())?;
     }
-    if arguments.json.as_deref() != Some(Path::new("-")) {
-        write!(std::io::stdout().lock(), "{}", text(&campaign, &model.name(), &found, &wrong))?;
+    if shown {
+        let rotary = model.rotary_places().iter().any(String::is_empty);
+        write!(std::io::stdout().lock(), "{}", text(&campaign, rotary, &found))?;
     }
     Ok(0)
 }
@@ -66,9 +78,15 @@ fn strength(effect: &EffectCheck) -> String {
     effect.at.iter().map(said).collect::<Vec<_>>().join(", ")
 }
 
-fn text(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> String {
-    let mut out = format!("{}: {model}, {} runs\n", campaign.name, campaign.runs.len());
-    out.push_str(&sealegs::sanity::text(wrong));
+/// What is wrong with the log, before anything is judged.
+fn head(campaign: &Campaign, model: &str, wrong: &[Finding]) -> String {
+    let wrong = sealegs::sanity::text(wrong);
+    format!("{}: {model}, {} runs\n{wrong}", campaign.name, campaign.runs.len())
+}
+
+/// Everything else.
+fn text(campaign: &Campaign, rotary: bool, found: &Check) -> String {
+    let mut out = String::new();
     let widest = campaign.runs.iter().map(|r| r.record.name.len()).max().unwrap_or(0).max(3);
     let _ = writeln!(
         out,
@@ -106,12 +124,13 @@ fn text(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> S
             e.reversals
         );
     }
-    let rotary = campaign.noise.iter().any(|n| n.channel.ends_with("torque_nm"));
-    let _ = writeln!(
-        out,
-        "Speed and load are the nominal model's, in {}; the band holds the middle 90 % of the input's power.",
-        if rotary { "rad/s and N m" } else { "m/s and N" }
-    );
+    // A robot has a speed and a load at every joint, and none of its own.
+    let of = match (found.excited.iter().any(|e| e.speed_peak.is_some()), rotary) {
+        (false, _) => "The",
+        (true, true) => "Speed and load are the nominal model's, in rad/s and N m; the",
+        (true, false) => "Speed and load are the nominal model's, in m/s and N; the",
+    };
+    let _ = writeln!(out, "{of} band holds the middle 90 % of the input's power.");
     let _ = writeln!(out, "\nNoise, one standard deviation");
     for n in &campaign.noise {
         let unit = Unit::symbol_of(&n.channel);
@@ -161,6 +180,13 @@ fn text(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> S
                 Unit::symbol_of(&c.channel)
             );
         }
+    }
+    if let Some(seconds) = found.judged_on_first_s {
+        let _ = writeln!(
+            out,
+            "\nThis model is dear to simulate: parameters and effects are judged on the first {seconds:.0} s of each fit run. \
+             What they show is there; the rest of the runs may show more."
+        );
     }
     let _ = writeln!(out, "\nParameters: standard error that the fit runs allow, if the model were right");
     for p in &found.parameters {
@@ -252,6 +278,7 @@ fn to_json(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -
             "name": p.name, "value": p.value, "std": p.std, "unit": p.unit, "prior_std": p.prior_std,
             "identifiable": p.identifiable,
         })).collect::<Vec<_>>(),
+        "judged_on_first_s": found.judged_on_first_s,
         "correlated": found.correlated,
         "effects": found.effects.iter().map(|e| json!({
             "id": e.id, "at": strength(e), "visible": e.visible, "imitated_share": e.imitated_share,

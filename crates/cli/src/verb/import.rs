@@ -7,7 +7,7 @@ use sealegs::diagnosis::text::figures;
 use sealegs::logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey};
 use sealegs::logs::{Log, Place};
 use sealegs::sysid::campaign::INPUT_COLUMNS;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Look into log files of any kind and write a first campaign file
 #[derive(Args)]
 pub struct Import {
-    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run
+    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run, files with the same clock and other columns one run together
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write campaign.toml into this folder, which is made if it is not there
@@ -39,11 +39,10 @@ pub fn run(arguments: &Import) -> anyhow::Result<u8> {
     for (file, log, found) in &logs {
         describe(&mut out, file, log, found);
     }
-    let surveys: Vec<(&Path, &Survey)> = logs.iter().map(|(file, _, found)| (*file, found)).collect();
     match &arguments.output {
         None => out.push_str("\nWith -o FOLDER a first campaign.toml is written for it.\n"),
         Some(folder) => {
-            let text = campaign(folder, &surveys)?;
+            let text = campaign(folder, &logs)?;
             let file = folder.join("campaign.toml");
             if file.exists() {
                 return Err(bad_input(format!("{}: is there already", file.display())));
@@ -149,16 +148,34 @@ fn content(column: &ColumnSurvey) -> String {
 }
 
 /// A first campaign file for these logs, which lie relative to `folder`.
-fn campaign(folder: &Path, logs: &[(&Path, &Survey)]) -> anyhow::Result<String> {
+fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<String> {
     let name = folder.file_name().map_or_else(|| "campaign".into(), |n| n.to_string_lossy());
     let mut out = format!(
         "# Made by `sealegs import`: complete what is marked with TODO, then `sealegs check` it.\n\
-         name = {}\n\
-         bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
-         actuator = \"thor-linear\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n",
+         name = {}\n",
         quoted(&name)
     );
-    if logs.iter().all(|(_, s)| s.tables.first().is_none_or(|t| t.clock.is_none())) {
+    out.push_str(if joints(logs) > 1 {
+        "bench = \"robot\"            # columns of several joints\n\
+         robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
+         actuator = \"rigid-rotary\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n"
+    } else {
+        "bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
+         actuator = \"thor-linear\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n"
+    });
+    let mut said: Vec<String> = Vec::new();
+    for (_, log, _) in logs.iter().filter(|(_, log, _)| !log.constants.is_empty()) {
+        let numbers = log.constants.iter().map(|(name, value)| format!("{name} = {}", short(*value, 6)));
+        let numbers = one_line(&numbers.collect::<Vec<_>>().join(", "));
+        if !said.contains(&numbers) {
+            let _ = writeln!(
+                out,
+                "# Single numbers in the log, perhaps keys of this file or of a [[run]]: {numbers}"
+            );
+            said.push(numbers);
+        }
+    }
+    if logs.iter().all(|(_, _, s)| s.tables.first().is_none_or(|t| t.clock.is_none())) {
         out.push_str("# sample_rate_hz = 1000.0    # TODO: no column looks like time\n");
     }
     out.push_str(
@@ -169,7 +186,7 @@ fn campaign(folder: &Path, logs: &[(&Path, &Survey)]) -> anyhow::Result<String> 
     // Files of one kind have the same columns: each is stated once.
     let mut lines: BTreeMap<(usize, &str), &ColumnSurvey> = BTreeMap::new();
     let mut order: Vec<&str> = Vec::new();
-    for column in logs.iter().flat_map(|(_, s)| &s.tables).flat_map(|t| &t.columns) {
+    for column in logs.iter().flat_map(|(_, _, s)| &s.tables).flat_map(|t| &t.columns) {
         let at = order.iter().position(|n| *n == column.name).unwrap_or_else(|| {
             order.push(&column.name);
             order.len() - 1
@@ -180,7 +197,21 @@ fn campaign(folder: &Path, logs: &[(&Path, &Survey)]) -> anyhow::Result<String> 
     for column in lines.values() {
         let _ = writeln!(out, "{}", map(column, &mut taken));
     }
-    for (i, (file, _)) in logs.iter().enumerate() {
+    if are_one_run(logs) {
+        let files: Vec<String> = logs
+            .iter()
+            .map(|(file, ..)| Ok(quoted(&relative(folder, file)?)))
+            .collect::<anyhow::Result<_>>()?;
+        let _ = write!(
+            out,
+            "\n# One run: the files have the same clock and different columns.\n[[run]]\nfiles = [{}]\nrole = \"fit\"\n\
+             # TODO: a run with role = \"holdout\", which the fit does not see: another one, or the same files with\n\
+             # to_s = … here and from_s = … there\n",
+            files.join(", ")
+        );
+        return Ok(out);
+    }
+    for (i, (file, ..)) in logs.iter().enumerate() {
         // One run of several is kept back, to judge.
         let role = if i > 0 && i + 1 == logs.len() { "holdout" } else { "fit" };
         let _ = write!(out, "\n[[run]]\nfile = {}\nrole = \"{role}\"\n", quoted(&relative(folder, file)?));
@@ -189,6 +220,35 @@ fn campaign(folder: &Path, logs: &[(&Path, &Survey)]) -> anyhow::Result<String> 
         }
     }
     Ok(out)
+}
+
+/// Number of joints that columns are guessed to belong to.
+fn joints(logs: &[(&Path, Log, Survey)]) -> usize {
+    let columns = logs.iter().flat_map(|(_, _, s)| &s.tables).flat_map(|t| &t.columns);
+    let roles = columns.filter_map(|c| Some(c.role.as_ref()?.target.rsplit_once('.')?.0));
+    roles.collect::<BTreeSet<&str>>().len()
+}
+
+/// Whether files are parts of one run: one table each, equal time stamps, and no other column twice.
+fn are_one_run(logs: &[(&Path, Log, Survey)]) -> bool {
+    let mut names: Vec<&str> = Vec::new();
+    let mut first: Option<&[f64]> = None;
+    for (_, log, found) in logs {
+        let ([table], [seen]) = (&log.tables[..], &found.tables[..]) else { return false };
+        let Some(clock) = &seen.clock else { return false };
+        let time = table.columns[clock.column].values.as_slice();
+        if first.is_some_and(|first| first != time) {
+            return false;
+        }
+        first = Some(time);
+        for (_, column) in table.columns.iter().enumerate().filter(|(i, _)| *i != clock.column) {
+            if names.contains(&column.name.as_str()) {
+                return false;
+            }
+            names.push(&column.name);
+        }
+    }
+    logs.len() > 1
 }
 
 /// One line of `[columns]`; commented out where nothing is guessed, or where another column has the channel.

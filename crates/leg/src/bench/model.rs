@@ -88,7 +88,12 @@ impl RobotModel {
             }
             if slides != (spec.kind == Kind::Linear) {
                 let kind = if slides { "linear: the joint slides" } else { "rotary: the joint turns" };
-                return Err(bad(format!("drive.{}", joint.name), format!("'{drive}' must be {kind}")));
+                // One `actuator` cannot suit joints of both kinds.
+                let hint = format!(
+                    "; name another one in the robot's file: [drive] {} = \"DRIVE.toml\"",
+                    joint.name
+                );
+                return Err(bad(format!("drive.{}", joint.name), format!("'{drive}' must be {kind}{hint}")));
             }
             let load = equations.mass[(i, i)];
             let mut spec = spec;
@@ -392,6 +397,10 @@ impl Model for RobotModel {
 
     fn predicts(&self, channel: &str) -> bool {
         self.find(channel).is_some()
+    }
+
+    fn rotary_places(&self) -> Vec<String> {
+        self.joints.iter().filter(|joint| !joint.slides).map(|joint| joint.name.clone()).collect()
     }
 
     fn included(&self) -> Vec<String> {

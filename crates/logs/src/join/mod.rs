@@ -185,6 +185,13 @@ pub fn join(mut files: Vec<File>, request: &Request) -> Result<Joined, JoinError
         };
         channels.push((w.map.target.clone(), values));
     }
+    for (index, map) in request.columns.iter().enumerate() {
+        let Some(value) = map.constant else { continue };
+        if channels.iter().any(|(name, _)| *name == map.target) {
+            return Err(JoinError::Map(index, format!("'{}' is in the file, or constant twice", map.target)));
+        }
+        channels.push((map.target.clone(), vec![value; span.len()]));
+    }
     let zero = lead_time[span.start];
     let time_s: Vec<f64> = match leader.column.filter(|_| leader.own_zero) {
         // Unchanged to the last bit.

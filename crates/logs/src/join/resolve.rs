@@ -55,6 +55,10 @@ fn hits(files: &[File], source: &str) -> Vec<At> {
 pub(super) fn resolve(files: &[File], request: &Request) -> Result<(Vec<Wanted>, Vec<Wanted>), JoinError> {
     let (mut wanted, mut clocks): (Vec<Wanted>, Vec<Wanted>) = (Vec::new(), Vec::new());
     for (index, map) in request.columns.iter().enumerate() {
+        // No column: the rows get it once they are known.
+        if map.constant.is_some() {
+            continue;
+        }
         let hits = hits(files, &map.source);
         if hits.is_empty() && map.optional {
             continue;

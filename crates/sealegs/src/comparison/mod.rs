@@ -15,6 +15,8 @@ pub use text::of as text;
 
 use crate::Result;
 use crate::campaign_model::CampaignModel;
+use crate::diagnosis::bounds;
+use crate::diagnosis::outcome::parameters;
 use sealegs_model::Model;
 use sealegs_sysid::diagnose::fit_holding;
 use sealegs_sysid::frequency::{self, ChannelResponse};
@@ -160,14 +162,17 @@ impl<'a> Compared<'a> {
         let figure = crate::diagnosis::text::figures(error, 3);
         let what = if self.fit.is_some() { "after its own parameters were refitted" } else { "as it is" };
         let runs = if part.role == Role::Holdout { "held-out" } else { "fit" };
-        if error <= 1.1 * self.floor.max(1.0) {
+        let fitted = self.fit.as_ref().map_or_else(Vec::new, parameters);
+        let first = bounds::sentence(&fitted).map_or_else(String::new, |first| format!("{first} "));
+        let said = if error <= 1.1 * self.floor.max(1.0) {
             format!("The model is at the noise floor {what}: {figure} noise units on the {runs} runs.")
         } else {
             format!(
                 "The error on the {runs} runs is {figure} noise units {what}; the noise floor is {:.2}.",
                 self.floor
             )
-        }
+        };
+        first + &said
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::overlay::{self, Look, worst_run};
 use super::{Compared, Summary};
+use crate::diagnosis::bounds;
 use crate::diagnosis::outcome::{MissingSignal, parameters, percent};
 use crate::diagnosis::text::{digits_for, figures};
 use crate::report::units::{capital, error, with_interval};
@@ -112,6 +113,9 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
         (false, _) => (Tone::Bad, "Something is missing"),
     };
     reasons.extend(off);
+    let base = &summary.base.parameters;
+    let first: Vec<String> = bounds::sentence(base).into_iter().chain(bounds::advice(base)).collect();
+    reasons.splice(0..0, first);
     let answer = Answer { headline: &headline, values: &values, certainty, reasons: &reasons };
     let bars = bars(&summary.missing_signals);
     let models = fails::Models { before: AS_GIVEN, after: REFITTED };

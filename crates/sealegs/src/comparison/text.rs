@@ -1,6 +1,7 @@
 //! A comparison for a terminal.
 
 use super::{Compared, Summary, worst_of_response};
+use crate::diagnosis::bounds;
 use crate::diagnosis::outcome::parameters;
 use crate::diagnosis::text::{again_below, figures, parameter_lines};
 use crate::report::units::with_interval;
@@ -32,6 +33,10 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
         count(Role::Holdout),
         compared.sentence()
     );
+    let lines = bounds::lines(&summary.base.parameters);
+    if !lines.is_empty() {
+        let _ = writeln!(out, "{lines}");
+    }
     let sanity = crate::sanity::text(&compared.sanity);
     if !sanity.is_empty() {
         let _ = writeln!(out, "{}", sanity.trim_start_matches('\n'));

@@ -1,5 +1,6 @@
 //! How sure a verdict is, and why: what a reader must know before the numbers are used.
 
+use super::bounds;
 use super::outcome::{Outcome, ParameterValue};
 use crate::report::units::error;
 use schemars::JsonSchema;
@@ -51,9 +52,19 @@ impl Outcome {
 }
 
 impl Confidence {
-    /// That of a verdict.
+    /// That of a verdict. What the base model lacks of its own numbers comes first.
     #[must_use]
     pub fn of(o: &Outcome) -> Self {
+        let mut judged = Self::judged(o);
+        if o.verdict != "added" {
+            let base = &o.base.parameters;
+            let first = bounds::sentence(base).into_iter().chain(bounds::advice(base)).collect::<Vec<_>>();
+            judged.reasons.splice(0..0, (!first.is_empty()).then(|| first.join(" ")));
+        }
+        judged
+    }
+
+    fn judged(o: &Outcome) -> Self {
         let floor = o.noise_floor;
         let side = o.after.as_ref().unwrap_or(&o.base);
         let off = off(&side.parameters);

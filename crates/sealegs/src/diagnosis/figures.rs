@@ -66,7 +66,7 @@ pub fn maps(page: &mut Report, story: &Story) {
     let cell = |v: f64, range: f64| {
         (((v / range + 1.0) * 0.5 * CELLS as f64) as isize).clamp(0, CELLS as isize - 1) as usize
     };
-    let rotary = parts.iter().flat_map(|p| &p.data.channels).any(|c| c.name.ends_with("_nm"));
+    let rotary = parts.iter().any(|p| p.data.is_rotary(""));
     let (speed_unit, load_unit) = if rotary { ("rad/s", "N m") } else { ("m/s", "N") };
     let map = |title: &str, of: &dyn Fn(&Part) -> Option<Evaluation>| -> HeatMap {
         let mut sums = vec![(0.0, 0usize); CELLS * CELLS];

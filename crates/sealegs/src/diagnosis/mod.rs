@@ -2,6 +2,7 @@
 
 pub mod addition;
 mod better;
+pub(crate) mod bounds;
 pub mod confidence;
 mod figures;
 mod friction;

@@ -7,6 +7,7 @@ pub use super::signals::{BranchSaid, CurveSaid, ForceSaid, MissingSignal, Share}
 use super::splits::Splits;
 use super::units::Units;
 use schemars::JsonSchema;
+use sealegs_actuator::spec::is_assumed_bound;
 use sealegs_model::Unit;
 use sealegs_sysid::diagnose::{Candidate, Diagnosis, Judged, OpenChoice, VerdictKind};
 use sealegs_sysid::sanity::Finding;
@@ -159,6 +160,9 @@ pub struct ParameterValue {
     /// Its distance from the nominal value in standard deviations of what is known of it, if anything is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from_nominal: Option<f64>,
+    /// The nominal value of a base parameter that ended at a bound which no file states: half or one and a half of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub assumed_about: Option<f64>,
 }
 
 /// Standard deviations from a nominal value beyond which it is said: a wrong model, or a fit at rest in a wrong place, may
@@ -176,6 +180,7 @@ impl ParameterValue {
     #[must_use]
     pub fn remark(&self) -> String {
         match (self.at_bound, self.felt, self.from_nominal) {
+            (true, ..) if self.assumed_about.is_some() => "at a bound that no file states".to_owned(),
             (true, ..) => "at its bound".to_owned(),
             (_, false, _) => "not identifiable from these runs".to_owned(),
             _ if self.is_far() => {
@@ -239,6 +244,12 @@ pub fn parameters(fit: &Fit) -> Vec<ParameterValue> {
             unit: p.unit.clone(),
             fixed: p.fixed,
             at_bound: p.at_bound.is_some(),
+            assumed_about: (p.at_bound.is_some()
+                && !p.fixed
+                && p.prior_std.is_none()
+                && !p.name.contains('.')
+                && is_assumed_bound(p.value / p.nominal))
+            .then_some(p.nominal),
             felt: p.felt,
             from_nominal: p
                 .prior_std

@@ -29,7 +29,9 @@ pub(super) fn sentence(o: &Outcome) -> String {
     let pictured = o.worst_channel().filter(|_| o.base.holdout_error >= FAR);
     let pictured = pictured.map_or_else(String::new, |w| format!(" Root mean square, held-out: {w}."));
     let law = o.law.as_ref().map_or_else(String::new, |law| format!(" Beyond the catalogue, {}", law.said()));
-    match (o.verdict, &o.after) {
+    let first = super::bounds::sentence(&o.base.parameters).filter(|_| o.verdict != "added");
+    let first = first.map_or_else(String::new, |first| format!("{first} "));
+    let verdict = match (o.verdict, &o.after) {
         ("adequate", _) => format!(
             "Nothing is missing: with its own parameters refitted, the base model is at the noise floor on the held-out \
              runs (error {:.3}, noise floor {floor:.2} noise units).",
@@ -51,5 +53,6 @@ pub(super) fn sentence(o: &Outcome) -> String {
             "Unexplained: the base model leaves an error of {base} noise units on the held-out runs (noise \
              floor {floor:.2}), and no known effect, alone or with others, explains that.{pictured}{law}"
         ),
-    }
+    };
+    first + &verdict
 }

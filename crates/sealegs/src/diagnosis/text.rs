@@ -18,6 +18,7 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     for reason in &outcome.confidence.reasons {
         let _ = writeln!(o, "  {reason}");
     }
+    o.push_str(&super::bounds::lines(&outcome.base.parameters));
     o.push_str(&crate::sanity::text(&outcome.sanity));
     let _ = writeln!(o);
     let said = |s: &&String| !outcome.confidence.reasons.contains(s);

@@ -14,6 +14,7 @@ pub(super) fn parameter(name: &str, value: f64, std: f64, unit: &str) -> Paramet
         unit: unit.to_owned(),
         fixed: false,
         at_bound: false,
+        assumed_about: None,
         felt: true,
         from_nominal: None,
     }

@@ -21,6 +21,10 @@ const WORTH: f64 = 0.01;
 /// Rows of a run that one of them shows: what its width resolves.
 const ROWS: usize = 600;
 
+/// Share of a channel's range below which a residual is drawn by itself: a small picture is some 150 dots high, and within five
+/// of them its lines lie on each other.
+const COINCIDE: f64 = 0.03;
+
 /// The two models: what they are called and how they are drawn.
 pub(crate) struct Models {
     /// The first: before, or as given.
@@ -188,6 +192,44 @@ fn picture(s: &Shown, models: &Models, named: bool) -> Chart {
     }
 }
 
+/// What the models leave of the same rows, where it is so small that their curves lie on the measured one.
+fn left(s: &Shown, models: &Models) -> Option<Chart> {
+    let r = &s.part.data.runs[s.run];
+    let measured = r.measured[s.slot];
+    let of = |at: &Evaluation| -> Option<Vec<f64>> {
+        let predicted = shown(s.part, at, s.run, s.slot)?;
+        Some(measured.iter().zip(&predicted).map(|(m, p)| m - p).collect())
+    };
+    let first = of(&s.part.before)?;
+    let rows = window(&first);
+    let rows = rows.start..rows.end.min(first.len());
+    if !coincide(&measured[rows.clone()], &first[rows.clone()]) {
+        return None;
+    }
+    let points = |v: &[f64]| -> Vec<(f64, f64)> {
+        rows.clone().filter(|i| *i < v.len()).map(|i| (r.record.time_s[i], v[i])).collect()
+    };
+    let title = format!("{}, {}: measured minus predicted", s.channel, short(&r.record.name));
+    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", unit(&s.channel))).line(
+        "",
+        models.before.1,
+        models.before.2,
+        points(&first),
+    );
+    Some(match s.part.after.as_ref().and_then(of) {
+        Some(second) => chart.line("", models.after.1, models.after.2, points(&second)),
+        None => chart,
+    })
+}
+
+/// Whether a residual is too small to be seen beside what was measured.
+fn coincide(measured: &[f64], residual: &[f64]) -> bool {
+    let finite = || measured.iter().copied().filter(|v| v.is_finite());
+    let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+    let most = residual.iter().copied().filter(|v| v.is_finite()).fold(0.0, |p: f64, v| p.max(v.abs()));
+    range > 0.0 && most < COINCIDE * range
+}
+
 /// The picture of the channel that improved most, of those at the places of effects if one of these improved; `None` where
 /// nothing was compared.
 pub(crate) fn foremost(parts: &[Part], models: &Models, effects: &[String]) -> Option<Chart> {
@@ -210,7 +252,9 @@ pub(crate) fn worst(part: &Part, models: &Models) -> Option<Chart> {
 
 /// Measured and both models, a small picture for each of the channels that improved most.
 pub(crate) fn multiples(page: &mut Report, parts: &[Part], models: &Models) {
-    let charts: Vec<Chart> = improved(parts).iter().map(|s| picture(s, models, false)).collect();
+    let improved = improved(parts);
+    let of = |s: &Shown| [Some(picture(s, models, false)), left(s, models)];
+    let charts: Vec<Chart> = improved.iter().flat_map(of).flatten().collect();
     let pictures: Vec<&dyn Picture> = charts.iter().map(|c| c as &dyn Picture).collect();
     let key = |look: Look| (look.0, look.1, look.2);
     let mut keys = vec![("measured", Hue::Ink, Dash::Solid), key(models.before)];
@@ -231,7 +275,16 @@ pub(crate) fn multiples(page: &mut Report, parts: &[Part], models: &Models) {
 
 #[cfg(test)]
 mod tests {
-    use super::{ROWS, window};
+    use super::{ROWS, coincide, window};
+
+    #[test]
+    fn a_residual_that_no_eye_sees_beside_its_channel_has_a_picture_of_its_own() {
+        let measured: Vec<f64> = (0..600).map(|i| (0.05 * f64::from(i)).sin()).collect();
+        let of = |share: f64| measured.iter().map(|v| 2.0 * share * v).collect::<Vec<f64>>();
+        // Of a range of 2.
+        assert!(coincide(&measured, &of(0.02)) && !coincide(&measured, &of(0.05)));
+        assert!(!coincide(&[1.0; 5], &[0.0; 5]));
+    }
 
     #[test]
     fn a_picture_shows_the_largest_residual() {

@@ -154,6 +154,10 @@ pub(super) fn repeats(runs: &[Run]) -> Vec<RepeatPair> {
 fn alike(a: &Run, b: &Run) -> bool {
     let (ra, rb) = (&a.record, &b.record);
     let (Some(ia), Some(ib)) = (ra.inputs.first(), rb.inputs.first()) else { return false };
+    // One recording that `from_s` and `to_s` cut into runs is no repeat of itself; noise makes any other one different.
+    if ra.time_s == rb.time_s && ra.outputs == rb.outputs {
+        return false;
+    }
     let (sa, sb) = (stats::rms(&ia.values), stats::rms(&ib.values));
     // A leg from another height, or another weight, is another experiment, whatever its input; so is another unit.
     if a.scenario != b.scenario
@@ -279,6 +283,26 @@ mod tests {
         let holdout = Run { role: Role::Holdout, ..run_of(vec![("force_1_n", column(0.1))]) };
         let alone = of_runs(std::slice::from_ref(&fit), &[]);
         assert_eq!(of_runs(&[fit, holdout], &[]), alone);
+    }
+
+    #[test]
+    fn a_recording_that_is_cut_into_two_runs_is_no_repeat_of_itself() {
+        let mut noise = Noise::new(5);
+        let input: Vec<f64> = (0..2000).map(|i| (0.02 * f64::from(i)).sin()).collect();
+        let mut recorded = || {
+            let mut run =
+                run_of(vec![("force_1_n", input.iter().map(|u| 9.0 * u + noise.normal()).collect())]);
+            run.record
+                .inputs
+                .push(sealegs_model::Signal { channel: "current_a".into(), values: input.clone() });
+            run
+        };
+        let (once, again) = (recorded(), recorded());
+        let found = repeats(&[once.clone(), again]);
+        // Two recordings of unit noise: each deviates by 1 N.
+        assert!(found.len() == 1 && (found[0].deviation - 1.0).abs() < 0.05, "{found:?}");
+        let (first, last) = (Run { scored: 0..1000, ..once.clone() }, Run { scored: 1000..2000, ..once });
+        assert_eq!(repeats(&[first, last]), []);
     }
 
     fn run_of(columns: Vec<(&str, Vec<f64>)>) -> Run {

@@ -195,11 +195,14 @@ pub(super) fn check_columns(path: &Path, at: Place, words: &[&str], said: Said) 
     match inputs.len() {
         1 => Ok(()),
         0 => {
-            let near = words.iter().map(|w| did_you_mean(w, &INPUT_COLUMNS)).find(|s| !s.is_empty());
+            // What is a sensor's name is no misspelt command, however near it comes.
+            let strange = words.iter().filter(|w| **w != "time_s" && !said.is_output(w) && !is_beside(w));
+            let near = strange.map(|w| did_you_mean(w, &INPUT_COLUMNS)).find(|s| !s.is_empty());
             let problem = format!(
-                "no input column; one of {} is needed{}",
+                "no input column; one of {} is needed{} A command that did not change and was not logged is stated in \
+                 [columns]: \"not logged\" = {{ as = \"voltage_v\", constant = 12.0 }}",
                 INPUT_COLUMNS.join(", "),
-                near.unwrap_or_default()
+                near.unwrap_or_else(|| ".".to_owned())
             );
             Err(Error::bad(path, at, None, problem))
         }

@@ -43,6 +43,26 @@ fn toml_refused(toml: &str) -> String {
 }
 
 #[test]
+fn a_run_is_cut_into_windows_that_keep_their_rows_and_their_time() {
+    let csv = (0..100).fold("time_s,motor_force_n,position_m\n".to_owned(), |mut text, i| {
+        let _ = writeln!(text, "{:.2},{},{}", f64::from(i) * 0.01, i % 7, f64::from(i) * 1e-3);
+        text
+    });
+    let toml = |bench: &str| {
+        let keys = format!("bench = \"{bench}\"\nactuator = \"a\"\nmass_kg = 1.0\nwindow_s = 0.4\n");
+        keys + "[[run]]\nfile = \"r.csv\"\nrole = \"fit\"\nfrom_s = 0.1\n"
+    };
+    let campaign = read(&toml("free"), Some(csv.as_bytes())).unwrap();
+    let of_run = |r: &Run| (r.record.name.clone(), r.record.time_s[0], r.record.len(), r.scored.clone());
+    let runs: Vec<_> = campaign.runs.iter().map(of_run).collect();
+    let name = |from: &str| format!("r.csv from {from} s");
+    assert_eq!(runs, [(name("0.1"), 0.1, 40, 0..40), (name("0.5"), 0.5, 50, 0..50)]);
+    assert_eq!(campaign.runs[1].record.output("position_m").unwrap()[0], 0.05);
+    let message = toml_refused(&toml("locked").replace("mass_kg = 1.0\n", ""));
+    assert!(message.contains("window_s") && message.contains("begin in motion"), "{message}");
+}
+
+#[test]
 fn a_good_campaign_is_read_whole() {
     let csv = "\u{feff}time_s, current_a ,force_1_n,housing_position_m,index\r\n".to_owned()
         + &(0..20).map(|i| format!("{},1e0,-2.5,0.1,{i}\r\n", f64::from(i) * 0.001)).collect::<String>();
@@ -188,6 +208,24 @@ fn inputs_must_be_exactly_one() {
     assert!(refused(&table.replace("current_a", "voltage_m")).contains("no input column"));
     let two = refused(&table.replace("force_1_n", "motor_force_n"));
     assert!(two.contains("two input columns") && two.contains("line 1"), "{two}");
+}
+
+#[test]
+fn a_command_that_did_not_change_is_stated_and_not_logged() {
+    let table = "time_s,joint_angle_rad,speed_rad_s\n".to_owned() + &rows(20);
+    let said = refused(&table);
+    // Both columns have a sensor's name: neither is a misspelt command.
+    assert!(!said.contains("did you mean"), "{said}");
+    assert!(said.contains("constant = 12.0"), "{said}");
+    let columns = "[columns]\n\"not logged\" = { as = \"voltage_v\", constant = 12.0 }\n";
+    let run = format!("{RUN}{RUN}[run.columns]\nsupply = {{ as = \"voltage_v\", constant = -6.0 }}\n");
+    let campaign = read(&description(columns, &run), Some(table.as_bytes())).unwrap();
+    let input = |run: usize| campaign.runs[run].record.input("voltage_v").unwrap().to_vec();
+    assert_eq!((input(0), input(1)), (vec![12.0; 20], vec![-6.0; 20]));
+    assert_eq!(campaign.runs[0].record.output("speed_rad_s").unwrap().len(), 20);
+    let both = table.replace("speed_rad_s", "voltage_v");
+    let twice = read(&description(columns, RUN), Some(both.as_bytes())).unwrap_err().to_string();
+    assert!(twice.contains("'voltage_v' is in the file"), "{twice}");
 }
 
 #[test]

@@ -11,12 +11,14 @@ mod excitation;
 pub(crate) use excitation::band;
 pub use excitation::{Excited, of_run};
 
-use crate::campaign::quantum;
+use crate::campaign::{FEWEST_ROWS, quantum};
 use crate::data::Data;
 use crate::fit::{self, Difference, Fit, Signatures};
 use crate::{Campaign, Error, stats};
 use rayon::prelude::*;
 use sealegs_model::{Model, Prediction};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
 /// A column of a run, as a sensor's output.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,6 +89,9 @@ pub struct Check {
     pub columns: Vec<Column>,
     /// How each run was excited, in the order of the campaign's runs.
     pub excited: Vec<Excited>,
+    /// Where simulations are dear: the seconds of each fit run, from the first that counts, on which parameters and effects
+    /// were judged. `None`: on the whole runs.
+    pub judged_on_first_s: Option<f64>,
     /// The model's free parameters; empty without a model.
     pub parameters: Vec<ParameterCheck>,
     /// Pairs of parameters whose errors would be correlated by more than 0.95.
@@ -97,6 +102,14 @@ pub struct Check {
     pub simulations: u64,
 }
 
+/// Time that parameters and effects may take on the whole fit runs, s: beyond it nobody waits for a table, and a check is
+/// there before a diagnosis, not in its place.
+const PATIENCE_S: f64 = 30.0;
+
+/// The part of each run that they are judged on else, s: some moves of an arm. What a part shows the whole shows, too; what
+/// it does not show may still be in the rest.
+const SHORT_S: f64 = 10.0;
+
 /// Looks at the runs, and through a model at what they can identify.
 ///
 /// Identifiability is judged on the fit runs, if there are any, else on all.
@@ -105,17 +118,60 @@ pub struct Check {
 ///
 /// Those of [`Data::new`]; [`Error::Model`] if the nominal model cannot be simulated.
 pub fn check(campaign: &Campaign, model: &dyn Model) -> Result<Check, Error> {
+    check_within(campaign, model, PATIENCE_S, &|_| {})
+}
+
+/// As [`check`], telling what it does.
+///
+/// # Errors
+///
+/// As [`check`].
+pub fn check_telling(
+    campaign: &Campaign,
+    model: &dyn Model,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Check, Error> {
+    check_within(campaign, model, PATIENCE_S, tell)
+}
+
+/// As [`check`], telling what it does, with so many seconds for parameters and effects on the whole fit runs; where they would
+/// take longer they are judged on the first ten seconds of each.
+///
+/// # Errors
+///
+/// As [`check`].
+pub fn check_within(
+    campaign: &Campaign,
+    model: &dyn Model,
+    patience_s: f64,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Check, Error> {
     let role = campaign.require(crate::Role::Fit).is_ok().then_some(crate::Role::Fit);
-    let data = Data::new(campaign, role, model)?;
     let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
-    let base = fit::at_values(&data, model, &nominal, Difference::Central)?;
     let all = Data::new(campaign, None, model)?;
+    tell("simulating every run once");
+    let started = Instant::now();
     let predictions = all.predict(model, &nominal)?;
+    let once_s = started.elapsed().as_secs_f64();
     let excited =
         campaign.runs.iter().zip(&predictions).map(|(run, p)| of_run(&run.record, run.scored.clone(), p));
-    let effects = effects(&data, model, &base);
+    let whole = Data::new(campaign, role, model)?;
+    // Central differences of every free parameter, and every effect once.
+    let free = model.parameters().iter().filter(|p| !p.fixed).count();
+    let seen = whole.excitation(&predictions_of(&whole, &all, &predictions));
+    let simulations = 2 * free + model.effects(&seen).len();
+    let share = seconds(&whole) / seconds(&all).max(f64::MIN_POSITIVE);
+    let short = (once_s * share * simulations as f64 > patience_s).then(|| first_of_each(campaign, SHORT_S));
+    let data = match &short {
+        Some(short) => Data::new(short, role, model)?,
+        None => whole,
+    };
+    tell("judging every parameter");
+    let base = fit::at_values(&data, model, &nominal, Difference::Central)?;
+    let effects = effects(&data, model, &base, tell);
     Ok(Check {
         columns: columns(campaign),
+        judged_on_first_s: short.is_some().then_some(SHORT_S),
         excited: excited.collect(),
         parameters: parameters(model, &base),
         correlated: base
@@ -126,6 +182,35 @@ pub fn check(campaign: &Campaign, model: &dyn Model) -> Result<Check, Error> {
         effects,
         simulations: data.work().0 + all.work().0,
     })
+}
+
+/// Seconds of experiment in the data's runs.
+fn seconds(data: &Data) -> f64 {
+    let span = |t: &[f64]| t.last().zip(t.first()).map_or(0.0, |(b, a)| b - a);
+    data.runs.iter().map(|run| span(&run.record.time_s)).sum()
+}
+
+/// The predictions of some runs out of those of all.
+fn predictions_of(some: &Data, all: &Data, predictions: &[Prediction]) -> Vec<Prediction> {
+    let at = |index: usize| all.runs.iter().position(|run| run.index == index);
+    some.runs.iter().filter_map(|run| Some(predictions[at(run.index)?].clone())).collect()
+}
+
+/// The campaign with so many seconds of each run that count, from the first one on; what is before them stays.
+fn first_of_each(campaign: &Campaign, seconds: f64) -> Campaign {
+    let mut short = campaign.clone();
+    for run in &mut short.runs {
+        let time = &run.record.time_s;
+        let end = time[run.scored.start] + seconds;
+        let rows = time.partition_point(|&t| t <= end).max(run.scored.start + FEWEST_ROWS).min(time.len());
+        run.record.time_s.truncate(rows);
+        let record = &mut run.record;
+        for signal in record.inputs.iter_mut().chain(&mut record.outputs).chain(&mut run.unknown) {
+            signal.values.truncate(rows);
+        }
+        run.scored.end = run.scored.end.min(rows);
+    }
+    short
 }
 
 fn columns(campaign: &Campaign) -> Vec<Column> {
@@ -211,12 +296,15 @@ fn parameters(model: &dyn Model, base: &Fit) -> Vec<ParameterCheck> {
         .collect()
 }
 
-fn effects(data: &Data, model: &dyn Model, base: &Fit) -> Vec<EffectCheck> {
+fn effects(data: &Data, model: &dyn Model, base: &Fit, tell: &(dyn Fn(&str) + Sync)) -> Vec<EffectCheck> {
     let seen = data.excitation(&base.evaluation.predictions);
     let cards = model.effects(&seen);
+    let done = AtomicUsize::new(0);
     let simulated: Vec<Option<Vec<Prediction>>> = cards
         .par_iter()
         .map(|card| {
+            let number = 1 + done.fetch_add(1, Ordering::Relaxed);
+            tell(&format!("simulating effect {number} of {}: {}", cards.len(), card.id));
             let with = model.with_effect(&card.id, &seen).ok()?;
             let values: Vec<f64> = with.parameters().iter().map(|p| p.value).collect();
             data.predict(&*with, &values).ok()

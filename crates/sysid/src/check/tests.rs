@@ -48,6 +48,27 @@ fn a_visible_effect_is_said_to_be_so() {
 }
 
 #[test]
+fn dear_simulations_are_judged_on_ten_seconds_and_it_is_said() {
+    let toy = Toy::new();
+    let truth: Vec<f64> = toy.parameters.iter().map(|p| p.value).collect();
+    // 30 s at 200 Hz.
+    let campaign = campaign(vec![(Role::Fit, run(&truth, 6000, 5, NOISE, (1.0, 0.0), 1.0))], NOISE);
+    let whole = check(&campaign, &toy).unwrap();
+    assert_eq!(whole.judged_on_first_s, None);
+    let told = std::sync::Mutex::new(Vec::new());
+    let tell = |what: &str| told.lock().unwrap().push(what.to_owned());
+    let short = check_within(&campaign, &toy, 0.0, &tell).unwrap();
+    assert_eq!(short.judged_on_first_s, Some(10.0));
+    assert_eq!(short.excited, whole.excited, "what the runs hold is seen on all of them");
+    // A third of the rows: what an effect changes, summed over them, is less by the root of 3.
+    let visible = |found: &Check| found.effects[0].visible.unwrap();
+    let ratio = visible(&short) / visible(&whole) * 3f64.sqrt();
+    assert!((ratio - 1.0).abs() < 0.25, "{ratio}");
+    let told = told.into_inner().unwrap();
+    assert!(told.iter().any(|line| line.starts_with("simulating effect 1 of ")), "{told:?}");
+}
+
+#[test]
 fn saturation_and_quanta_are_seen() {
     let clipped: Vec<f64> = (0..1000).map(|i| (f64::from(i) * 0.01).sin().clamp(-0.8, 0.8)).collect();
     let share = saturated(&clipped, (-0.8, 0.8));

@@ -101,9 +101,7 @@ impl Axis {
 
     /// Labels and limits of the regions, from what the parts contain; of signals at a place.
     pub fn cells(self, at: &str, parts: &[(&Data, &Evaluation)]) -> (Vec<String>, Vec<f64>) {
-        let rotary = parts.iter().any(|(d, _)| {
-            d.channels.iter().any(|c| c.name.ends_with("torque_nm") || c.name == "spring_deflection_rad")
-        });
+        let rotary = parts.iter().any(|(d, _)| d.is_rotary(at));
         let unit = |linear: &str, angular: &str| if rotary { angular.to_owned() } else { linear.to_owned() };
         let peak = |name: &str| {
             let all: Vec<f64> = internals(parts, at, name).map(f64::abs).collect();

@@ -10,7 +10,8 @@
 //!   sheet and hide the model's error in an impossible sensor.
 //! - `bias_r = common ± run_bias_std` for each fitted run `r`, and `common = 0 ± bias_std`: a sensor is
 //!   tared anew before a run on many rigs. A run's bias is held as the gain is, beside the common one, of which a mounting
-//!   may know little.
+//!   may know little. The common one is held as well, only farther away: within [`SensorPrior::BIAS_LIMIT`] of its standard
+//!   deviations, or for a drive's own encoder half of what it showed.
 //!
 //! # The zero of a held-out run
 //!
@@ -36,6 +37,8 @@ pub struct SensorPrior {
     pub bias_std: f64,
     /// One standard deviation of a run's bias about the common one, in the channel's unit.
     pub run_bias_std: f64,
+    /// The common bias stays within this, in the channel's unit.
+    pub bias_limit: f64,
 }
 
 /// Whether a drive's own encoder shows a channel that is no angle: counts, and speeds from counts.
@@ -49,6 +52,15 @@ impl SensorPrior {
 
     /// A run's bias stays within this many of its standard deviations of the common one, for the same reason.
     pub const RUN_BIAS_LIMIT: f64 = 3.0;
+
+    /// The common bias stays within this many of its standard deviations: 0.2 rad of a joint's encoder, five times the peak of a
+    /// load cell. A zero is set wrongly by less; a joint that stands 20 rad beside its model is no matter of zeros.
+    pub const BIAS_LIMIT: f64 = 10.0;
+
+    /// Or within this share of the greatest magnitude, where a drive's own encoder shows a position and that is more. Its standard
+    /// deviation is of the size of its noise, and beside a drive without its friction it drifts by thousands of those: such a base
+    /// model is wrong, and it must still be fitted where it is least so. A speed or a mounted joint has no such drift.
+    const BIAS_SHARE: f64 = 0.5;
 
     /// The default for a channel, by its unit and the greatest magnitude that it showed.
     ///
@@ -79,7 +91,11 @@ impl SensorPrior {
             }
             _ => (10.0 * wide, wide),
         };
-        Self { gain_std, bias_std, run_bias_std }
+        let drifts =
+            matches!(channel, "motor_angle_rad" | "position_m") || channel.ends_with(".rotor_angle_rad");
+        let share = if drifts { Self::BIAS_SHARE } else { 0.0 };
+        let bias_limit = (Self::BIAS_LIMIT * bias_std).max(share * peak);
+        Self { gain_std, bias_std, run_bias_std, bias_limit }
     }
 
     /// The same with what a file states: the gain's standard deviation, and that of a run's bias. The
@@ -88,6 +104,8 @@ impl SensorPrior {
     pub fn stated(self, gain_std: Option<f64>, bias_std: Option<f64>) -> Self {
         let gain_std = gain_std.unwrap_or(self.gain_std);
         let Some(run_bias_std) = bias_std.filter(|s| *s > 0.0) else { return Self { gain_std, ..self } };
-        Self { gain_std, bias_std: 10.0 * run_bias_std, run_bias_std }
+        let bias_std = 10.0 * run_bias_std;
+        let bias_limit = self.bias_limit.max(Self::BIAS_LIMIT * bias_std);
+        Self { gain_std, bias_std, run_bias_std, bias_limit }
     }
 }

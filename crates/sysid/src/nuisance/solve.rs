@@ -85,11 +85,17 @@ pub fn solve(channel: &str, noise_std: f64, prior: SensorPrior, sums: &[(usize, 
     let furthest = SensorPrior::RUN_BIAS_LIMIT * prior.run_bias_std;
     // Runs whose bias is held at its limit beside the common one, with that distance.
     let mut held: Vec<Option<f64>> = vec![None; sums.len()];
+    // The common bias, where it is held at its own limit.
+    let mut common_held: Option<f64> = None;
     // The priors make the matrix positive definite; rounding alone could break it, and then the neutral sensor is the answer.
     let (mut a, mut rhs, solved) = loop {
-        let (a, rhs) = normal_equations(weight, prior, sums, &held);
+        let (a, rhs) = normal_equations(weight, prior, sums, &held, common_held);
         let Some(cholesky) = a.clone().cholesky() else { break (a, rhs, None) };
         let solution = cholesky.solve(&rhs);
+        if common_held.is_none() && solution[1].abs() > prior.bias_limit {
+            common_held = Some(prior.bias_limit.copysign(solution[1]));
+            continue;
+        }
         let before = held.clone();
         for (i, held) in held.iter_mut().enumerate().filter(|(_, h)| h.is_none()) {
             let apart = solution[2 + i] - solution[1];
@@ -170,6 +176,7 @@ fn normal_equations(
     prior: SensorPrior,
     sums: &[(usize, RunSums)],
     held: &[Option<f64>],
+    common_held: Option<f64>,
 ) -> (DMatrix<f64>, DVector<f64>) {
     let (common, spread) = (prior.bias_std.powi(-2), prior.run_bias_std.powi(-2));
     let fixed = prior.gain_std == 0.0;
@@ -197,6 +204,15 @@ fn normal_equations(
             a[(1, k)] = -spread;
             a[(k, 1)] = -spread;
         }
+    }
+    if let Some(bias) = common_held {
+        for k in (0..size).filter(|&k| k != 1) {
+            rhs[k] -= a[(k, 1)] * bias;
+            a[(k, 1)] = 0.0;
+            a[(1, k)] = 0.0;
+        }
+        a[(1, 1)] = 1.0;
+        rhs[1] = bias;
     }
     (a, rhs)
 }
@@ -257,7 +273,8 @@ mod tests {
         (run, sums)
     }
 
-    const PRIOR: SensorPrior = SensorPrior { gain_std: 0.01, bias_std: 10.0, run_bias_std: 10.0 };
+    const PRIOR: SensorPrior =
+        SensorPrior { gain_std: 0.01, bias_std: 10.0, run_bias_std: 10.0, bias_limit: 100.0 };
 
     #[test]
     fn analytic_a_runs_bias_stays_near_the_common_one_where_a_model_is_wrong() {
@@ -272,7 +289,7 @@ mod tests {
                 (run, sums)
             })
             .collect();
-        let prior = SensorPrior { gain_std: 0.0, bias_std: 10.0, run_bias_std: 2.0 };
+        let prior = SensorPrior { gain_std: 0.0, bias_std: 10.0, run_bias_std: 2.0, bias_limit: 100.0 };
         let sensor = solve("joint_angle_rad", 0.1, prior, &sums);
         assert_eq!(sensor.at_limit, [0, 1]);
         assert!(sensor.bias.abs() < 1e-9);
@@ -282,6 +299,35 @@ mod tests {
         let sensor = solve("joint_angle_rad", 0.1, prior, &alike);
         // Two runs of a spread of 2 about a common bias of 0 +- 10: 50 * 100 / (100 + 4 / 2).
         assert!(sensor.at_limit.is_empty() && (sensor.bias - 50.0 / 1.02).abs() < 1e-3, "{sensor:?}");
+    }
+
+    #[test]
+    fn analytic_a_common_bias_stays_within_its_limit() {
+        // Two runs that a wrong model leaves 20 rad beside it. Neighbouring rows of both signs keep the gain out of it.
+        let beside = |off: f64| {
+            let mut sums = RunSums::default();
+            (0..2000).for_each(|i| sums.add(f64::from(i % 2) - 0.5, off + f64::from(i % 2) - 0.5));
+            sums
+        };
+        let prior = SensorPrior::of_channel("arm_2_joint.angle_rad", 1e-5, 1.5);
+        // Mounted within 0.02 rad; the limit is ten of those.
+        assert_eq!(prior.bias_std, 0.02);
+        assert!((prior.bias_limit - 0.2).abs() < 1e-12);
+        let sensor = solve("arm_2_joint.angle_rad", 1e-5, prior, &[(0, beside(-20.0)), (1, beside(-20.0))]);
+        assert!((sensor.bias + 0.2).abs() < 1e-12, "{sensor:?}");
+        let most = 0.2 + SensorPrior::RUN_BIAS_LIMIT * prior.run_bias_std;
+        assert_eq!(sensor.at_limit, [0, 1]);
+        for run in [0, 1] {
+            assert!((sensor.bias_of(run) + most).abs() < 1e-12, "{sensor:?}");
+        }
+        // A speed is at rest where the drive is; a drive's own position may have drifted by half of what it showed.
+        let limit = |channel| SensorPrior::of_channel(channel, 1e-4, 0.25).bias_limit;
+        assert!((limit("speed_rad_s") - 20e-4).abs() < 1e-12 && limit("position_m") == 0.125);
+        // A zero that lies within the limit is found as before, with a gain beside it.
+        let gained = SensorPrior { gain_std: 0.01, bias_std: 0.3, run_bias_std: 0.1, bias_limit: 3.0 };
+        let sensor = solve("force_1_n", 1e-3, gained, &[(0, beside(0.2)), (1, beside(0.2))]);
+        assert!((sensor.bias_of(0) - 0.2).abs() < 1e-6 && sensor.at_limit.is_empty(), "{sensor:?}");
+        assert!((sensor.gain - 1.0).abs() < 1e-6, "{sensor:?}");
     }
 
     #[test]

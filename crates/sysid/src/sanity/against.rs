@@ -193,17 +193,28 @@ fn swapped(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
 }
 
 /// What a line says of a column: a problem with its strength.
-fn of_line(s: &Seen) -> Option<(Problem, f64)> {
+pub(super) fn of_line(s: &Seen) -> Option<(Problem, f64)> {
     let (r, slope) = (s.line.correlation, s.line.slope);
     let worth = |problem, strength| super::policy::severity(problem, strength).map(|_| (problem, strength));
     if !(1.0 / ODD_SLOPE..=ODD_SLOPE).contains(&slope.abs()) {
         let known = probable(s.pair.channel, slope).is_some() || are_counts(s.pair.measured);
         let unit = known.then(|| worth(Problem::UnitFactor, r.abs())).flatten();
-        if let Some(found) = unit.or_else(|| worth(Problem::OddScale, r.abs())) {
-            return Some(found);
-        }
+        // A column that hardly moves, or far more than it should, says nothing of its sign: the model is another rig's there.
+        return unit.or_else(|| worth(Problem::OddScale, r.abs()));
     }
     worth(Problem::FlippedSign, -r)
+}
+
+/// Which way a column counts as positive.
+fn positive(channel: &str) -> &'static str {
+    let what = channel.rsplit_once('.').map_or(channel, |(_, what)| what);
+    match what {
+        "force_1_n" | "force_2_n" | "spring_deflection_m" => "positive is compression",
+        "angle_rad" | "position_m" | "speed_rad_s" | "speed_m_s" if channel.contains('.') => {
+            "positive is along the joint's axis in the URDF"
+        }
+        _ => "positive is where a positive command drives it",
+    }
 }
 
 fn signs_and_units(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
@@ -252,7 +263,7 @@ fn of_marks(
             format!(
                 "`{channel}` runs against the model with slope {slope:.2} (correlation {r:.3}) {place}: sign?"
             ),
-            format!("negate `{channel}`; positive is compression, a longer screw, a flexed joint"),
+            format!("negate `{channel}`; {}", positive(channel)),
         ),
         Problem::UnitFactor if counts => (
             format!(
@@ -357,7 +368,7 @@ fn command(
             format!(
                 "every sensor runs against the model with slope {slope:.2} (correlation -{r:.3}) {place}: the sign of `{channel}`?"
             ),
-            format!("negate `{channel}`; a positive command pushes the links apart"),
+            format!("negate `{channel}`; a positive command drives every sensor to its positive side"),
         ),
     };
     found.extend(finding(problem, r, Severity::Stops, &channel, evidence, cure));

@@ -2,7 +2,8 @@
 
 use super::against::{Seen, by_channel, in_runs};
 use super::policy::{
-    BEYOND_OWN_CORRELATION, CLEAR_OFFSET, LONG_OFFSET_S, MOST_OFFSET, NEAR_OFFSET, SAME_OFFSET,
+    BEYOND_OWN_CORRELATION, CLEAR_OFFSET, LEFT_BY_OFFSET, LONG_OFFSET_S, MOST_OFFSET, NEAR_OFFSET,
+    SAME_OFFSET,
 };
 use super::units::short;
 use super::{Finding, Problem, Severity, finding, foreign};
@@ -31,8 +32,8 @@ struct Best {
 }
 
 pub(super) fn look(campaign: &Campaign, seen: &[Seen]) -> Vec<Finding> {
-    let best: Vec<Option<Best>> =
-        seen.par_iter().map(|s| (s.moves() && !s.judged).then(|| best(s))).collect();
+    let told = |s: &Seen| s.moves() && !s.judged && is_driven(campaign, s);
+    let best: Vec<Option<Best>> = seen.par_iter().map(|s| told(s).then(|| best(s))).collect();
     let mut found = Vec::new();
     let mut explained = vec![false; seen.len()];
     // All columns of every run together: the command is beside them.
@@ -47,7 +48,7 @@ pub(super) fn look(campaign: &Campaign, seen: &[Seen]) -> Vec<Finding> {
     let enough = |own: &[usize], of: usize| !own.is_empty() && 2 * own.len() >= of && agree(own, &best);
     let channels = by_channel(seen);
     let every = channels.iter().all(|(channel, of)| {
-        of.iter().all(|s| !s.moves() || s.judged) || clear.iter().any(|&i| seen[i].pair.channel == *channel)
+        of.iter().all(|s| !told(s)) || clear.iter().any(|&i| seen[i].pair.channel == *channel)
     });
     if every && clear.iter().all(|&i| of_command(i)) && enough(&clear, examined(&|_| true)) {
         let channel = campaign.runs[seen[clear[0]].pair.run].record.inputs[0].channel.clone();
@@ -66,6 +67,16 @@ pub(super) fn look(campaign: &Campaign, seen: &[Seen]) -> Vec<Finding> {
         found.extend(foreign::look(campaign, seen, &near));
     }
     found
+}
+
+/// Whether a column's joint has a command in its run, where joints have commands of their own. Without one a joint of a
+/// robot moves as a hand or a brake that nobody logged wants it to.
+fn is_driven(campaign: &Campaign, s: &Seen) -> bool {
+    let Some((joint, _)) = s.pair.channel.rsplit_once('.') else { return true };
+    let inputs = campaign.runs[s.pair.run].record.inputs.iter();
+    let efforts = inputs.filter_map(|i| i.channel.rsplit_once('.'));
+    let mut driven = efforts.filter(|(_, what)| matches!(*what, "torque_nm" | "force_n")).peekable();
+    driven.peek().is_none() || driven.any(|(of, _)| of == joint)
 }
 
 /// Looks for the offset of one column of a run.
@@ -121,7 +132,8 @@ fn said(
     let to = stats::median(&bests.iter().map(|b| b.unexplained.sqrt()).collect::<Vec<_>>());
     let mut runs: Vec<usize> = of.iter().map(|&i| seen[i].pair.run).collect();
     runs.dedup();
-    let sure = time_s > LONG_OFFSET_S && bests.iter().any(|b| b.beyond_phase);
+    let explains = to * to <= LEFT_BY_OFFSET;
+    let sure = explains && time_s > LONG_OFFSET_S && bests.iter().any(|b| b.beyond_phase);
     // Without a recorded command the model moves by its own controller and contacts: a friction or a soft sole that it lacks
     // moves a column by some milliseconds, either way.
     if !sure && runs.iter().all(|&r| campaign.runs[r].record.inputs.is_empty()) {
@@ -140,6 +152,8 @@ fn said(
     );
     let cure = if sure {
         format!("move `{channel}` by {} rows in the file, or find where the rows went", lag.abs())
+    } else if !explains {
+        "the model is too far from the rig to tell a shift of rows from a wrong model".to_owned()
     } else {
         "a delay of the drive or of a sensor is an effect, which the diagnosis names if it is one".to_owned()
     };

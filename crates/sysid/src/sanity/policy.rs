@@ -24,7 +24,7 @@ pub struct Rule {
 pub const RULES: [Rule; 13] = [
     Rule {
         problem: Problem::FlippedSign,
-        measure: "correlation of measured with predicted, negated",
+        measure: "correlation of measured with predicted, negated, where the slope is within 3 and 1/3",
         remark: 0.7,
         stop: Some(0.9),
         origin: "a wrong model that is half of the signal off still correlates by +0.7; -0.9 leaves a fifth of the \
@@ -158,6 +158,10 @@ pub const CLEAR_OFFSET: (f64, f64) = (0.5, 3.0);
 
 /// An offset that stops also lasts this long, s: at 10 kHz twenty samples are a slow bus.
 pub const LONG_OFFSET_S: f64 = 0.02;
+
+/// An offset that stops leaves no more than this share of the column's variance (a third of its motion): as for a unit's factor,
+/// what is left beyond that is a model that is wrong, and a wrong model fits better somewhere by chance.
+pub const LEFT_BY_OFFSET: f64 = 0.1;
 
 /// An offset that stops is no phase of a narrow band: the prediction's own correlation with itself has fallen below this at
 /// that offset, in some run.

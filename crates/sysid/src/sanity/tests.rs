@@ -56,6 +56,32 @@ fn a_flipped_sign_is_said_with_its_slope_and_stops() {
 }
 
 #[test]
+fn analytic_a_column_that_hardly_moves_says_nothing_of_its_sign() {
+    use against::{Seen, of_line};
+    use pair::Pair;
+    let predicted: Vec<f64> = (0..2000).map(|i| (0.02 * f64::from(i)).sin()).collect();
+    // Correlation -0.89 by an unrelated tone of half its size, whatever the slope.
+    let told = |slope: f64| {
+        let other = |i: usize| 0.5 * (0.31 * i as f64).sin();
+        let measured: Vec<f64> = predicted.iter().enumerate().map(|(i, p)| slope * (p + other(i))).collect();
+        let pair = Pair {
+            run: 0,
+            channel: "elbow.angle_rad",
+            noise: 1e-4,
+            measured: &measured,
+            predicted: &predicted,
+            rows: std::iter::once(0..2000).collect(),
+        };
+        of_line(&Seen { line: pair.line(0, 1), pair, judged: false }).map(|(problem, _)| problem)
+    };
+    assert_eq!(told(-1.0), Some(Problem::FlippedSign));
+    assert_eq!(told(-0.4), Some(Problem::FlippedSign));
+    for slope in [-0.003, -0.01, -0.3, -3.5, -40.0, 1.0] {
+        assert_eq!(told(slope), None, "{slope}");
+    }
+}
+
+#[test]
 fn a_run_that_alone_is_flipped_is_named() {
     let mut campaign = good();
     campaign.runs[1].record.outputs[0].values.iter_mut().for_each(|v| *v = -*v);
@@ -105,6 +131,31 @@ fn a_small_delay_is_a_remark_and_rows_that_went_astray_stop() {
     let found = only(&late("motor_force_n", 60));
     assert!(found.stops() && found.evidence.contains("60 samples (300 ms) before"), "{found:?}");
     assert_eq!(found.channel, "motor_force_n");
+}
+
+#[test]
+fn a_shift_that_leaves_much_to_explain_is_a_remark() {
+    // A column that lies 60 rows late, with a tone of the size of 0.2 and 0.45 of its own motion that no model has.
+    let late = |share: f64| {
+        let mut campaign = good();
+        for run in &mut campaign.runs {
+            let signal = &mut run.record.outputs[0].values;
+            let first = signal[0];
+            signal.rotate_right(60);
+            signal[..60].fill(first);
+            let size = crate::stats::std(signal);
+            for (i, v) in signal.iter_mut().enumerate() {
+                *v += share * size * 2f64.sqrt() * (0.37 * i as f64).sin();
+            }
+        }
+        only(&campaign)
+    };
+    // What is left of the variance is 0.2^2 / (1 + 0.2^2) = 4 %, and 17 %: 41 % of the motion.
+    let found = late(0.2);
+    assert!(found.problem == Problem::Offset && found.stops(), "{found:?}");
+    let found = late(0.45);
+    assert_eq!((found.problem, found.severity), (Problem::Offset, Severity::Remark));
+    assert!(found.cure.contains("too far from the rig"), "{found:?}");
 }
 
 #[test]
