@@ -210,7 +210,7 @@ fn left(s: &Shown, models: &Models) -> Option<Chart> {
         rows.clone().filter(|i| *i < v.len()).map(|i| (r.record.time_s[i], v[i])).collect()
     };
     let title = format!("{}, {}: measured minus predicted", s.channel, short(&r.record.name));
-    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", unit(&s.channel))).line(
+    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", Unit::symbol_of(&s.channel))).line(
         "",
         models.before.1,
         models.before.2,
