@@ -38,8 +38,9 @@ fn piece(run: &Run, rows: Range<usize>, sample_rate_hz: Option<f64>) -> Run {
         signals.iter().map(cut).collect()
     };
     let time_s = run.record.time_s[rows.clone()].to_vec();
+    let file = run.path.file_name().map_or_else(|| run.record.name.as_str().into(), |f| f.to_string_lossy());
     let record = Record {
-        name: format!("{} from {:.1} s", run.record.name, time_s[0]),
+        name: format!("{file} from {:.1} s", time_s[0]),
         inputs: of(&run.record.inputs),
         outputs: of(&run.record.outputs),
         time_s,

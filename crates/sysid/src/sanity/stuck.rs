@@ -49,7 +49,8 @@ pub(super) fn dead(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
         };
         // A joint or a rotor may stick in one run, at small commands; a load cell has its noise even then.
         let counted = campaign.noise_std(channel).is_some_and(|n| n.quantum.is_some());
-        let sure = runs.iter().all(|r| rig_moves(*r)) && (still.len() == of.len() || !counted);
+        let rests = counted || is_of_motion(channel);
+        let sure = runs.iter().all(|r| rig_moves(*r)) && (still.len() == of.len() || !rests);
         let strengths: Vec<f64> = still.iter().map(|s| s.line.predicted / s.pair.noise).collect();
         let (shown, wanted) = (
             still.iter().map(|s| s.line.measured).fold(0.0, f64::max),
@@ -71,6 +72,11 @@ pub(super) fn dead(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
         ));
     }
     found
+}
+
+/// Whether a column is a position or a speed.
+fn is_of_motion(channel: &str) -> bool {
+    matches!(Unit::symbol_of(channel), "m" | "rad" | "m/s" | "rad/s")
 }
 
 pub(super) fn clipped(campaign: &Campaign, seen: &[Seen]) -> Vec<Finding> {
