@@ -64,13 +64,14 @@ fn analytic_a_column_that_hardly_moves_says_nothing_of_its_sign() {
     let told = |slope: f64| {
         let other = |i: usize| 0.5 * (0.31 * i as f64).sin();
         let measured: Vec<f64> = predicted.iter().enumerate().map(|(i, p)| slope * (p + other(i))).collect();
+        let rows = 0..2000;
         let pair = Pair {
             run: 0,
             channel: "elbow.angle_rad",
             noise: 1e-4,
             measured: &measured,
             predicted: &predicted,
-            rows: std::iter::once(0..2000).collect(),
+            rows: Vec::from([rows]),
         };
         of_line(&Seen { line: pair.line(0, 1), pair, judged: false }).map(|(problem, _)| problem)
     };
