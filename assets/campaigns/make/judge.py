@@ -64,6 +64,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--sealegs", default="sealegs")
+    parser.add_argument("--made", default="make.py --set validation", help="the command that made the campaigns, for the page")
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
     campaigns = sorted(p for p in arguments.folder.iterdir() if (p / "campaign.toml").is_file())
@@ -93,9 +94,9 @@ def main():
         f"# Legs, {datetime.date.today()}",
         "",
         f"Search {stamp()}. Made by `assets/campaigns/make/judge.py`: {len(rows)} leg campaigns of an independent simulator",
-        "(`make.py --set validation`) through the whole diagnosis. Errors are those of held-out runs in noise units; in brackets",
-        "the truth. These campaigns were looked at while the search was built: they show what it can do, not how often it is",
-        "right on what nobody has seen.",
+        f"(`{arguments.made}`) through the whole diagnosis. Errors are those of held-out runs in noise",
+        "units; in brackets the truth. The effects, their sizes and the motions were looked at while the search was built (other",
+        "individuals, if there are, were not): the page shows what it can do, not how often it is right on what nobody has seen.",
         "",
         f"Right or tied: {good} of {len(rows)}. Values within 10 %: {near} of {len(numbers)}. 95 % intervals that hold the truth:",
         f"{held} of {len(stated)}. A diagnosis took {sum(seconds) / len(seconds):.0f} s on average, {max(seconds):.0f} s at most.",

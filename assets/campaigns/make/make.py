@@ -3,6 +3,7 @@
     python3 -m venv venv && venv/bin/pip install -r requirements.txt
     venv/bin/python make.py                                  the shipped campaigns, into the folder above
     venv/bin/python make.py --set validation -o DIR          more, not for the repository; answers in DIR/answers.json
+    venv/bin/python make.py --set validation --others 1000 -o DIR    the same effects in other individuals
     venv/bin/python make.py --set peer -o DIR                those of the comparison with a peer
 """
 
@@ -226,9 +227,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--set", choices=SETS, default="shipped")
     parser.add_argument("-o", metavar="DIR", type=pathlib.Path)
+    parser.add_argument("--others", metavar="N", type=int, default=0, help="other individuals: adds N to every seed")
     parser.add_argument("name", nargs="*", help="only these campaigns of the set")
     arguments = parser.parse_args()
     shipped = arguments.set == "shipped" and arguments.o is None
+    if arguments.others and arguments.o is None:
+        parser.error("-o DIR is needed for other individuals")
     if arguments.o is None and not shipped:
         parser.error("-o DIR is needed for sets that are not shipped")
     if shipped and arguments.name:
@@ -239,7 +243,7 @@ def main():
         if arguments.name and name not in arguments.name:
             continue
         start = time.time()
-        answers[name] = make(name, spec, out)
+        answers[name] = make(name, spec | {"seed": spec["seed"] + arguments.others}, out)
         write_answers(answers, out, shipped)
         print(f"{name}: {len(spec['runs'])} runs, {time.time() - start:.0f} s", flush=True)
 

@@ -4,6 +4,7 @@ pub mod addition;
 mod better;
 pub(crate) mod bounds;
 pub mod confidence;
+mod drift;
 mod figures;
 mod friction;
 mod headline;

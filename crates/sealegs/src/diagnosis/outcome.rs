@@ -379,6 +379,10 @@ impl Outcome {
             work: Work { simulations: diagnosis.simulations, simulated_s: diagnosis.simulated_s },
             provenance,
         };
+        if matches!(verdict.kind, VerdictKind::PartlyExplained | VerdictKind::Unexplained) {
+            let left = &outcome.after.as_ref().unwrap_or(&outcome.base).channels;
+            outcome.remainder.splice(0..0, super::drift::advice(campaign, left));
+        }
         outcome.confidence = Confidence::of(&outcome);
         super::intervals::make_honest(&mut outcome);
         outcome.sentence = sentence(&outcome);

@@ -1,0 +1,73 @@
+//! What is said where a joint under a force drifts away from its log in open loop: cut into pieces that begin at the measured
+//! state, the same log tells what its forces are.
+
+use super::outcome::ChannelSaid;
+use sealegs_model::Unit;
+use sealegs_sysid::campaign::Bench;
+use sealegs_sysid::{Campaign, Role, stats};
+
+/// Share of a position's own standard deviation that a model leaves of it from which on it has gone astray: the error of a
+/// motion that a force drives grows with the square of the time, and soon says little of the force.
+const ASTRAY: f64 = 0.2;
+
+/// Pieces that the longest run is proposed to be cut into, and the shortest one, s.
+const PIECES: (f64, f64) = (10.0, 0.5);
+
+/// A sentence for the channel that is furthest astray, if one is, of errors on the held-out runs.
+pub(super) fn advice(campaign: &Campaign, left: &[ChannelSaid]) -> Option<String> {
+    if !matches!(campaign.bench, Bench::Free | Bench::Robot) {
+        return None;
+    }
+    let astray = |said: &ChannelSaid| {
+        let is_position = matches!(Unit::of_channel(&said.channel), Ok(Unit::Metre | Unit::Radian));
+        let runs = campaign.runs_of(Role::Holdout);
+        let values = runs.filter_map(|run| Some(&run.record.output(&said.channel)?[run.scored.clone()]));
+        let motion = stats::std(&values.flatten().copied().collect::<Vec<f64>>());
+        (is_position && motion > 0.0).then(|| said.holdout_rms / motion)
+    };
+    let furthest = left.iter().filter_map(|said| Some((said, astray(said)?)));
+    let (said, share) = furthest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share > ASTRAY)?;
+    let span = |t: &[f64]| t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
+    let longest = campaign.runs_of(Role::Fit).map(|run| span(&run.record.time_s)).fold(0.0, f64::max);
+    let piece = (longest / PIECES.0).max(PIECES.1);
+    Some(format!(
+        "In open loop the model goes astray: it leaves {:.0} % of what {} does. `window_s = {piece:.1}` in the campaign cuts \
+         its runs into pieces that each begin at the measured state.",
+        100.0 * share,
+        said.channel
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sealegs_sysid::campaign::RunColumns;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_joint_that_goes_astray_is_to_be_cut_into_pieces_and_one_that_follows_is_not() {
+        let time_s: Vec<f64> = (0..2000).map(|i| 0.01 * f64::from(i)).collect();
+        let run = |role| {
+            let position: Vec<f64> = time_s.iter().map(|t| 0.1 * (TAU * t / 5.0).sin()).collect();
+            let columns =
+                [("time_s", time_s.clone()), ("motor_force_n", position.clone()), ("position_m", position)];
+            RunColumns::new(role, if role == "fit" { Role::Fit } else { Role::Holdout }, columns)
+        };
+        let on = |bench| {
+            let built = Campaign::builder("lift", bench, "rigid-linear").run(run("fit")).run(run("held out"));
+            built.build().expect("a campaign")
+        };
+        let left = |rms: f64| ChannelSaid {
+            channel: "position_m".to_owned(),
+            unit: "m".to_owned(),
+            holdout_rms: rms,
+            holdout_mean_absolute: rms,
+            holdout_error: 1.0,
+        };
+        // The standard deviation of a sine is its amplitude over the root of 2: 71 mm.
+        let said = advice(&on(Bench::Free), &[left(0.0354)]).expect("half of it is left");
+        assert!(said.contains("leaves 50 %") && said.contains("window_s = 2.0"), "{said}");
+        assert_eq!(advice(&on(Bench::Free), &[left(0.01)]), None);
+        assert_eq!(advice(&on(Bench::Locked), &[left(0.0354)]), None);
+    }
+}
