@@ -136,8 +136,6 @@ policy! {
     LOOKS_ALIKE = 1e-3;
     /// Times that an effect is weakened before a fit in open loop: together they lead as far as a promise may be off.
     WEAKENINGS = 4.0;
-    /// The same under the observer: they lead from the widest promise to a tenth of it.
-    WEAKENINGS_OBSERVED = 10.0;
     /// By how much each time: play that is wide open under an observer has an end.
     SLIGHTLY_WEAKER = 0.8;
     /// Steps of a fit in the search.

@@ -83,7 +83,9 @@ impl Search<'_> {
         let simplest = simpler.into_iter().filter(|&i| Some(parameters(i)) == fewest);
         let worse: Vec<usize> = simplest.filter(|&i| clearly_better(&self.tried[i], chosen, floor)).collect();
         for i in worse {
-            let finished = self.models.finished(self.tried[i].clone());
+            let mut finished = [self.tried[i].clone()];
+            self.models.finish_best(&mut finished);
+            let [finished] = finished;
             self.kept(finished);
         }
     }
@@ -137,7 +139,9 @@ impl Search<'_> {
             let rest = Candidate { effects: all_but(&effects, effect), ..self.tried[chosen].clone() };
             let set = self.set_with(&rest, std::slice::from_ref(&simple));
             let Some(fitted) = self.models.fitted(&self.tried[chosen], &set, &known, None) else { continue };
-            let mut fitted = self.models.finished(fitted);
+            let mut fitted = [fitted];
+            self.models.finish_best(&mut fitted);
+            let [mut fitted] = fitted;
             if self.tried[chosen].exact {
                 fitted = self.models.polished(&fitted);
             }
