@@ -55,11 +55,16 @@ impl Record {
         self.time_s.len()
     }
 
+    /// Time from the first sample to the last, s; 0 where there is none.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(b, a)| b - a)
+    }
+
     /// Mean time between samples, s; 0 where there are fewer than two.
     #[must_use]
     pub fn mean_period_s(&self) -> f64 {
-        let span = self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(b, a)| b - a);
-        span / self.len().saturating_sub(1).max(1) as f64
+        self.duration_s() / self.len().saturating_sub(1).max(1) as f64
     }
 
     /// Whether there is no sample.

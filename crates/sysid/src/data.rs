@@ -224,7 +224,7 @@ impl<'a> Data<'a> {
     ) -> Result<Prediction, Error> {
         let r = &self.runs[run];
         self.simulations.fetch_add(1, Ordering::Relaxed);
-        let span = r.record.time_s.last().zip(r.record.time_s.first()).map_or(0.0, |(b, a)| b - a);
+        let span = r.record.duration_s();
         self.simulated_ms.fetch_add((1e3 * span) as u64, Ordering::Relaxed);
         let failed = |source| Error::Model { run: r.record.name.clone(), source };
         let prediction = simulate(r.record, &r.names).map_err(failed)?;

@@ -27,8 +27,7 @@ pub(super) fn advice(campaign: &Campaign, left: &[ChannelSaid]) -> Option<String
     };
     let furthest = left.iter().filter_map(|said| Some((said, astray(said)?)));
     let (said, share) = furthest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share > ASTRAY)?;
-    let span = |t: &[f64]| t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
-    let longest = campaign.runs_of(Role::Fit).map(|run| span(&run.record.time_s)).fold(0.0, f64::max);
+    let longest = campaign.runs_of(Role::Fit).map(|run| run.record.duration_s()).fold(0.0, f64::max);
     let piece = (longest / PIECES.0).max(PIECES.1);
     Some(format!(
         "In open loop the model goes astray: it leaves {:.0} % of what {} does. `window_s = {piece:.1}` in the campaign cuts \

@@ -280,8 +280,7 @@ impl Campaign {
             let notes = std::iter::once(notes).chain(std::iter::repeat_with(further));
             pieces.extend(cut.into_iter().zip(notes));
         }
-        let runs = pieces;
-        Ok(Self::assembled(description, file, runs))
+        Ok(Self::assembled(description, file, pieces))
     }
 
     /// A campaign of columns in memory: its name, its bench, and its actuator (for a leg its scenario), a preset's name

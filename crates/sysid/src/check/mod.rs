@@ -186,8 +186,7 @@ pub fn check_within(
 
 /// Seconds of experiment in the data's runs.
 fn seconds(data: &Data) -> f64 {
-    let span = |t: &[f64]| t.last().zip(t.first()).map_or(0.0, |(b, a)| b - a);
-    data.runs.iter().map(|run| span(&run.record.time_s)).sum()
+    data.runs.iter().map(|run| run.record.duration_s()).sum()
 }
 
 /// The predictions of some runs out of those of all.
