@@ -110,6 +110,8 @@ pub enum Term {
         stiffness: f64,
         rest: f64,
     },
+    /// Another load: written as the lever's mass and length.
+    Load,
     /// What a drive's bridge, supply or own loop does: the files written here begin at the current.
     BeforeCurrent,
     Wobbling {
@@ -185,6 +187,7 @@ impl Term {
             ("output-friction", &[torque]) => Self::OutputFriction { torque },
             ("output-offset", &[force]) => Self::OutputOffset { force },
             ("cable-stiffness", &[stiffness, rest]) => Self::Cable { stiffness, rest },
+            ("load-mismatch", &[_, _]) => Self::Load,
             ("pwm-dead-zone" | "supply-sag" | "feedback-delay", &[_]) => Self::BeforeCurrent,
             ("wobbling-mass", &[mass, radius, frequency_hz, ratio]) => {
                 Self::Wobbling { mass, radius, frequency_hz, ratio }
@@ -250,7 +253,7 @@ mod tests {
 
     /// Effects for which the writers have elements of their own. Any other of the catalogue is written by its
     /// [`Effect::friction_bound`](sealegs_actuator::effect::Effect::friction_bound), or noted as lost.
-    const NAMED: [&str; 28] = [
+    const NAMED: [&str; 29] = [
         "coulomb-friction",
         "presliding-friction",
         "stribeck-friction",
@@ -278,6 +281,7 @@ mod tests {
         "output-friction",
         "output-offset",
         "cable-stiffness",
+        "load-mismatch",
         "wobbling-mass",
     ];
 

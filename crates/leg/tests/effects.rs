@@ -202,7 +202,7 @@ fn an_actuator_files_effects_come_with_it() {
     let message = refused.expect_err("refused").to_string();
     assert!(message.contains("knee") && message.contains("output-friction"), "{message}");
     assert!(message.contains("joints"), "{message}");
-    for id in ["wobbling-mass", "cable-stiffness", "feedback-delay"] {
+    for id in ["wobbling-mass", "cable-stiffness", "load-mismatch", "feedback-delay"] {
         let refused = channels(&scenario(""), with_knee_effect(id, &[]));
         let message = refused.expect_err("refused").to_string();
         assert!(message.contains(id) && message.contains("bench"), "{message}");

@@ -101,10 +101,11 @@ impl Observed {
         let c = model.spec.coefficients();
         // Gains follow from nominal values: they must not change while a fit moves the parameters.
         let mass = c.total_mass();
-        if let Some(load) = plant.rigid {
+        let load = model.bench_of(&record.name).links().1.mass_kg();
+        if plant.rigid.is_some() {
             let (channel, scale) = self.output(record, plant, model.bench_of(&record.name).arm_m())?;
             let rate = rigid_observer_rate(grid.step_s, record.mean_period_s());
-            let pull = Pull::on(self.on_grid(record, channel, grid)?, scale, mass + load.mass_kg(), rate);
+            let pull = Pull::on(self.on_grid(record, channel, grid)?, scale, mass + load, rate);
             return Some(Observer { rotor: Some(pull), output: None });
         }
         let rate = |mass: f64| observer_rate(c.stiffness, mass, grid.step_s, record.mean_period_s());
@@ -115,10 +116,8 @@ impl Observed {
                 Pull::on(to, 1.0, mass, rate(mass))
             }),
         };
-        let output = arm_m.zip(self.on_grid(record, "joint_angle_rad", grid)).map(|(scale, to)| {
-            let mass = plant.link_2.mass_kg();
-            Pull { to, scale, stiffness: 0.0, damping: mass * rate(mass) }
-        });
+        let output = arm_m.zip(self.on_grid(record, "joint_angle_rad", grid));
+        let output = output.map(|(scale, to)| Pull { to, scale, stiffness: 0.0, damping: load * rate(load) });
         rotor.is_some().then_some(Observer { rotor, output })
     }
 

@@ -88,6 +88,7 @@ mod tests {
             "output-friction",
             "output-offset",
             "cable-stiffness",
+            "load-mismatch",
             "wobbling-mass",
             "feedback-delay",
             "base-motion",

@@ -17,6 +17,7 @@ mod directional_efficiency;
 mod feedback_delay;
 mod hardening_spring;
 mod load_dependent_friction;
+mod load_mismatch;
 mod output_friction;
 mod output_offset;
 mod own;
@@ -134,6 +135,7 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &output_friction::OutputFriction,
     &output_offset::OutputOffset,
     &cable_stiffness::CableStiffness,
+    &load_mismatch::LoadMismatch,
     &wobbling_mass::WobblingMassEffect,
 ];
 

@@ -102,6 +102,7 @@ pub(crate) fn law(without: &Plant, with: &Plant, setting: &Setting) -> Option<Gr
         .or_else(|| pair.on_output())
         .or_else(|| pair.output_friction())
         .or_else(|| pair.wobbling())
+        .or_else(|| pair.load())
         .or_else(|| pair.feedback())
 }
 
@@ -391,6 +392,23 @@ impl Pair<'_> {
         let graph =
             Graph::new("Apparent mass of an accelerated link", ("frequency", "Hz"), ("apparent mass", "kg"));
         Some(graph.sweep("", (0.0, 3.0 * own_hz), apparent))
+    }
+
+    /// The torque of gravity on a pendulum's load.
+    fn load(&self) -> Option<Graph> {
+        let weight = |plant: &Plant| match plant.rigid.unwrap_or(plant.link_2) {
+            Link::Pendulum { gravity_torque_nm, .. } => Some(gravity_torque_nm),
+            _ => None,
+        };
+        let (stated, with) = (weight(self.without)?, weight(self.with)?);
+        if stated == with {
+            return None;
+        }
+        let axes = (("joint angle", "rad"), ("torque of gravity", "N m"));
+        let graph = Graph::new("Torque of gravity over the joint's angle", axes.0, axes.1);
+        let range = (-TAU / 2.0, TAU / 2.0);
+        let graph = graph.sweep("as stated", range, |q| -stated * q.sin());
+        Some(graph.sweep("with the effect", range, |q| -with * q.sin()))
     }
 
     /// The position that a servo's loop sees.

@@ -73,6 +73,7 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
                 Note::held(id, "actuator 'output_offset', whose control does nothing")
             }
             Term::Cable { .. } => Note::held(id, "stiffness and springref of the joint 'lever'"),
+            Term::Load => Note::held(id, "mass and place of the body 'lever'"),
             Term::BeforeCurrent => Note::lost(id, "the motor of this file takes a current, not a voltage"),
             Term::Wobbling { .. } => Note::held(id, "body 'wobbling_mass' on the lever"),
             Term::Own(own) if matches!(own.acts_on.as_str(), "rotor" | "drive" | "spring" | "output") => {

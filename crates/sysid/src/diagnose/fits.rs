@@ -4,6 +4,7 @@
 use super::Candidate;
 use super::compare::is_seen;
 use super::policy::{FOLLOWERS, FOLLOWERS_DEAR, LEADERS, RIVAL_COST};
+use super::refine::Models;
 use super::screen::{Known, Plan};
 use super::search::{Observed, Search};
 use crate::fit::{EQUAL_COST, Fit};
@@ -65,7 +66,12 @@ impl Search<'_> {
         };
         let leaders = if models.dear { 1 } else { LEADERS as usize }.min(ranked.len());
         let mut fitted = wave(near, &ranked[..leaders]);
-        models.finish_best(&mut fitted);
+        finish_best(models, &mut fitted);
+        if let (true, [lead], [(.., Some(seen)), ..]) = (models.dear, &mut fitted[..], &ranked[..])
+            && !models.is_settled(lead, &self.tried[0])
+        {
+            *lead = models.or_as_observed(lead.clone(), seen);
+        }
         let chose = self.choose_again(&mut fitted);
         // Rivals have the same right to another choice.
         let each = |all: &mut Vec<Candidate>| {
@@ -89,7 +95,7 @@ impl Search<'_> {
             each(&mut rest);
         }
         if !settled {
-            models.finish_best(&mut rest);
+            finish_best(models, &mut rest);
         }
         fitted.extend(rest);
         let least = |n: &Candidate| (n.effects.len(), n.fit.cost);
@@ -133,5 +139,12 @@ impl Search<'_> {
             // The members stand in the catalogue's order.
             self.tried[index] = self.models.reordered(again, &effects);
         }
+    }
+}
+
+/// Fits the lowest of some candidates on (see [`Models::finished`]).
+fn finish_best(models: &Models, candidates: &mut [Candidate]) {
+    if let Some(best) = candidates.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a }) {
+        *best = models.finished(best.clone());
     }
 }

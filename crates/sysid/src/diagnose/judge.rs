@@ -157,32 +157,34 @@ pub(super) fn judge(data: &Data, holdout: &Data, found: &Found) -> Result<Verdic
         held_out(named_set).map_or_else(|_| (0, base_holdout.clone()), |at| (named_set, at));
     let mut kind = kind_of(index, &chosen_holdout)?;
     if kind == VerdictKind::Unexplained {
-        // Of a set that does not hold up as a whole a part may: the one that leaves least. If none does, the best single
-        // effect may; where a curve takes the place of all sets, if that predicts the held-out runs worse.
-        let mut parts = Vec::new();
+        // Of a set that does not hold up as a whole a part may: the greatest one, where the members leave one after the other
+        // that the fit runs miss least. If none does, the best single effect may; where a curve takes the place of all sets,
+        // if that predicts the held-out runs worse.
+        let mut part = None;
         let is_part = |i: &usize| *i != named_set && !found.tried[*i].effects.is_empty();
-        for part in steps_to(found, named_set, &held_out).into_iter().filter(is_part) {
-            let Ok(at) = held_out(part) else { continue };
-            let of_part = kind_of(part, &at)?;
+        let by_fit_runs = |i: usize| found.tried[i].validation.mean_square();
+        for smaller in steps_to(found, named_set, &by_fit_runs).into_iter().rev().filter(is_part) {
+            let Ok(at) = held_out(smaller) else { continue };
+            let of_part = kind_of(smaller, &at)?;
             if of_part != VerdictKind::Unexplained {
-                parts.push((part, at, of_part));
+                part = Some((smaller, at, of_part));
+                break;
             }
         }
         let curve = found.laws.iter().find(|law| law.beside == 0 && named_set == 0);
         let of_curve = curve.map_or(f64::INFINITY, |law| error_of(law.with.held_out(holdout)));
-        if let Some(single) = best_single(found).filter(|_| parts.is_empty())
+        if let Some(single) = best_single(found).filter(|_| part.is_none())
             && let Ok(at) = held_out(single)
             && at.rms < of_curve
         {
             // A set that was chosen is clearly better than the base model; of one that was not that is asked here.
             let of_single = kind_of(single, &at)?;
             if of_single != VerdictKind::Unexplained && share_of(&at) <= 1.0 - MOST_OF_IT {
-                parts.push((single, at, of_single));
+                part = Some((single, at, of_single));
             }
         }
-        parts.sort_by(|a, b| a.1.rms.total_cmp(&b.1.rms));
-        if let Some(best) = parts.into_iter().next() {
-            (index, chosen_holdout, kind) = best;
+        if let Some(part) = part {
+            (index, chosen_holdout, kind) = part;
             traces.clear();
         }
     }
@@ -305,16 +307,17 @@ fn named(found: &Found, held_out: &HeldOut, (base, floor): (f64, f64)) -> (usize
 
 /// The errors from the base model to a set.
 fn ladder(found: &Found, last: usize, held_out: &HeldOut) -> Vec<Rung> {
-    rungs(found, &steps_to(found, last, held_out), held_out)
+    rungs(found, &steps_to(found, last, &|i| error_of(held_out(i))), held_out)
 }
 
-/// The sets from the base model to one: at each step the effect that takes most, as far as its sets were fitted.
-fn steps_to(found: &Found, last: usize, held_out: &HeldOut) -> Vec<usize> {
+/// The sets from the base model to one: at each step the effect without which the next smaller set leaves least, as far as
+/// these were fitted.
+fn steps_to(found: &Found, last: usize, left: &dyn Fn(usize) -> f64) -> Vec<usize> {
     let mut steps = vec![last];
     while let Some(&index) = steps.last().filter(|&&i| !found.tried[i].effects.is_empty()) {
         let effects = &found.tried[index].effects;
         let without = effects.iter().filter_map(|e| found.index_of(&all_but(effects, e)));
-        match without.map(|i| (i, error_of(held_out(i)))).min_by(|a, b| a.1.total_cmp(&b.1)) {
+        match without.map(|i| (i, left(i))).min_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((next, _)) => steps.push(next),
             None => steps.push(0),
         }
@@ -336,12 +339,11 @@ fn rungs(found: &Found, steps: &[usize], held_out: &HeldOut) -> Vec<Rung> {
         .collect()
 }
 
-/// Whether what effects gain on the fit runs holds up on the held-out ones, of whose energy a share is left.
+/// Whether effects gain something on the fit runs, and that holds up on the held-out ones, of whose energy a share is left.
 fn holds_up(share: f64, base: &Candidate, with: &Candidate, floor: f64) -> bool {
     let left = |c: &Candidate| excess(c.fit.error(), floor);
     with.fit.error() <= EXPLAINED * floor
-        || share <= LITTLE_LEFT
-        || share * left(base) <= HOLDS_UP * left(with)
+        || (left(with) < left(base) && (share <= LITTLE_LEFT || share * left(base) <= HOLDS_UP * left(with)))
 }
 
 /// The same in windows (see [`in_windows`]): where open loop amplifies errors, what is left there grows with every run that
@@ -355,7 +357,8 @@ fn holds_up_in_windows(data: &Data, holdout: &Data, base: &Candidate, with: &Can
         };
         Some(left(with)? / left(base)?.max(f64::MIN_POSITIVE))
     };
-    Some(share(holdout)? <= HOLDS_UP * share(data)?)
+    let of_fit = share(data)?;
+    Some(of_fit < 1.0 && share(holdout)? <= HOLDS_UP * of_fit)
 }
 
 /// The mean squared error, in squared noise units, that the uncertainty of a fit's values makes one expect on held-out

@@ -63,7 +63,7 @@ impl Missing {
 pub fn missing(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missing> {
     let at = &observed.fit.evaluation;
     let quiet = noise_alone(data, observed, open);
-    let mut all = ports(data, at, &at.predictions);
+    let mut all = ports(data, &at.predictions);
     for signal in &mut all {
         let same = |m: &&Missing| m.place == signal.place && m.port == signal.port;
         let Some(quiet) = quiet.iter().find(same) else { continue };
@@ -75,7 +75,7 @@ pub fn missing(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missi
 }
 
 /// The signals of the ports in predictions.
-pub(super) fn ports(data: &Data, at: &Evaluation, predictions: &[Prediction]) -> Vec<Missing> {
+pub(super) fn ports(data: &Data, predictions: &[Prediction]) -> Vec<Missing> {
     let Some(first) = predictions.first() else { return Vec::new() };
     let names = first.internals.iter().map(|s| &s.channel).filter(|c| c.contains(internal::MISSING));
     names
@@ -90,18 +90,15 @@ pub(super) fn ports(data: &Data, at: &Evaluation, predictions: &[Prediction]) ->
                     run.rows().filter_map(|i| values.get(i).copied()).collect()
                 })
                 .collect();
-            let unit = if is_torque(at, &place, port) { "N m" } else { "N" };
+            let unit = if is_torque(data, &place, port) { "N m" } else { "N" };
             Some(signal(place, port.to_owned(), unit.to_owned(), runs, 0.0))
         })
         .collect()
 }
 
 /// Whether a port's signal is a torque: at an output, everywhere in a rotary actuator, and at a robot's joint that turns.
-pub(super) fn is_torque(at: &Evaluation, place: &str, port: &str) -> bool {
-    let has = |ending: &str| at.sensors.iter().any(|s| s.channel == format!("{place}.{ending}"));
-    // An actuator of a leg may bear its joint's name.
-    let joint = has("angle_rad") && !has("rotor_angle_rad") && !has("force_1_n");
-    port == "output" || joint || at.sensors.iter().any(|s| s.channel.ends_with("torque_nm"))
+pub(super) fn is_torque(data: &Data, place: &str, port: &str) -> bool {
+    port == "output" || data.is_rotary(place)
 }
 
 /// What each sensor shows beyond the model that follows the motion, in its unit.
@@ -142,7 +139,7 @@ fn signal(place: String, port: String, unit: String, runs: Vec<Vec<f64>>, std: f
 
 /// What the observer finds missing in the model's own prediction under the sensors' noise.
 fn noise_alone(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missing> {
-    let (at, values) = (&observed.fit.evaluation, &observed.fit.values);
+    let values = &observed.fit.values;
     let mut noise = Noise::new(1);
     let mut noisy = |s: &Signal| {
         let std = data.channels.iter().find(|c| c.name == s.channel).map_or(0.0, |c| c.noise_std);
@@ -158,7 +155,7 @@ fn noise_alone(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missi
         .collect();
     let again = open.observing(&records.iter().collect::<Vec<_>>());
     let predicted = again.and_then(|model| data.predict(model.as_ref(), values).ok());
-    predicted.map_or_else(Vec::new, |p| ports(data, at, &p))
+    predicted.map_or_else(Vec::new, |p| ports(data, &p))
 }
 
 /// A port with what its missing signal depends on.
@@ -201,7 +198,7 @@ pub fn look(models: &Models, candidate: &Candidate) -> Vec<Port> {
             values[i] += STEP * parameters[i].typical;
             let predictions = data.predict(observed.model.as_ref(), &values).ok()?;
             let at = data.evaluate_prediction(&values, predictions);
-            let all = ports(data, &at, &at.predictions).into_iter().chain(sensors(data, &at));
+            let all = ports(data, &at.predictions).into_iter().chain(sensors(data, &at));
             Some((&parameters[i], all.collect()))
         })
         .collect();

@@ -4,8 +4,8 @@
 //! taken for a missing effect. An observer shows what is missing at each port (`missing`) and what that depends on
 //! (`dependence`). Effects are regressed on it ([`screen`]()), the promising sets fitted ([`Models`]), compared and
 //! exchanged on stretches of the fit runs (`search`); what the data do not tell from the best set is found (`rivals`). Where
-//! they leave something, what does not hold up across the fit runs leaves again (`across`), curves at the ports are screened (`curves`) and fitted as any effect (`free_form`). Then, and only
-//! then, the holdout runs are read, and judge once (`judge`).
+//! they leave something, what does not hold up across the fit runs leaves again (`across`), curves at the ports are screened
+//! (`curves`) and fitted as any effect (`free_form`). Then, and only then, the holdout runs are read, and judge once (`judge`).
 
 mod across;
 mod adapt;
@@ -237,6 +237,10 @@ fn search<'a>(
     tied.retain(|i| !same.contains(i));
     let (settled, others) = search.models.settled(search.tried[chosen].clone());
     search.tried[chosen] = settled;
+    let (base, _) = search.models.settled(search.tried[0].clone());
+    if base.fit.cost < search.tried[0].fit.cost - fit::EQUAL_COST {
+        search.tried[0] = base;
+    }
     search.finish(&[0, chosen]);
     let open = search.models.open_choices(&others, &search.tried[chosen]);
     let chosen = if search.leaves_something(chosen) { search.simplified(chosen, &mut tied) } else { chosen };

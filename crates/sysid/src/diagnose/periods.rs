@@ -25,7 +25,7 @@ pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard)
     let place = card.id.rsplit_once('/').map_or("", |(place, _)| place).to_owned();
     let rotor = || {
         let at = &observed.fit.evaluation;
-        ports(data, at, &at.predictions).into_iter().find(|m| m.place == place && m.port == "rotor")
+        ports(data, &at.predictions).into_iter().find(|m| m.place == place && m.port == "rotor")
     };
     for p in &mut card.parameters {
         if p.name == RESONANCE && !dear {

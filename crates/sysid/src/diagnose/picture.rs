@@ -237,12 +237,12 @@ fn bins(rows: &[usize], over: &Abscissa, y: &[f64], law: Option<&[f64]>, run: &[
 }
 
 /// The unit of the commands, and whether the actuator turns and what moves at the port does.
-fn units(data: &Data, at: &Evaluation, missing: &Missing) -> (String, (bool, bool)) {
+fn units(data: &Data, missing: &Missing) -> (String, (bool, bool)) {
     let input = data.runs.first().and_then(|r| r.record.inputs.first());
     let command = input.and_then(|s| Unit::of_channel(&s.channel).ok()).map_or("", Unit::symbol);
     (
         command.to_owned(),
-        (is_torque(at, &missing.place, "rotor"), is_torque(at, &missing.place, &missing.port)),
+        (is_torque(data, &missing.place, "rotor"), is_torque(data, &missing.place, &missing.port)),
     )
 }
 
@@ -263,7 +263,6 @@ pub(super) fn of_port(
     nuisances: &[Nuisance],
     on: &str,
 ) -> Option<MissingForce> {
-    let at = &observed.fit.evaluation;
     let (every, mut y, run) = thinned(&missing.runs);
     let rows = rows(data, observed, missing, every);
     let mut columns: Vec<Vec<f64>> = nuisances.iter().map(|n| thinned(&n.runs).1).collect();
@@ -276,19 +275,18 @@ pub(super) fn of_port(
     for i in 0..y.len() {
         y[i] -= (0..taken_off).map(|k| fitted[k] * columns[k][i]).sum::<f64>();
     }
-    drawn(data, at, missing, &rows, on, (&y, None, &run))
+    drawn(data, missing, &rows, on, (&y, None, &run))
 }
 
 /// What is drawn of a signal at thinned rows.
 fn drawn(
     data: &Data,
-    at: &Evaluation,
     missing: &Missing,
     rows: &Rows,
     on: &str,
     (y, law, run): (&[f64], Option<&[f64]>, &[usize]),
 ) -> Option<MissingForce> {
-    let (command, turning) = units(data, at, missing);
+    let (command, turning) = units(data, missing);
     let mut over = Abscissa::of(rows, on, turning, &command)?;
     if on == "its own value" {
         over.unit.clone_from(&missing.unit);
@@ -323,7 +321,7 @@ pub fn missing_force(models: &Models, chosen: &Candidate, ports_of_base: &[Port]
     let seen = |effects: &[String]| -> Option<(Evaluation, Vec<Missing>)> {
         let model = with_effects(observed, effects, &models.seen).ok()?;
         let at = data.evaluate(model.as_ref(), &values_by_name(model.as_ref(), &known)).ok()?;
-        let all = ports(data, &at, &at.predictions).into_iter().chain(sensors(data, &at)).collect();
+        let all = ports(data, &at.predictions).into_iter().chain(sensors(data, &at)).collect();
         Some((at, all))
     };
     let (without, lacking) = seen(&[])?;
@@ -349,7 +347,6 @@ pub fn missing_force(models: &Models, chosen: &Candidate, ports_of_base: &[Port]
     let missing = Missing { std: noise, ..a.clone() };
     let fit = Fit { evaluation: without, ..chosen.fit.clone() };
     let candidate = Candidate { fit, ..chosen.clone() };
-    let at = &candidate.fit.evaluation;
     let (every, y, run) = thinned(&missing.runs);
     let law: Vec<f64> = y.iter().zip(thinned(&b.runs).1).map(|(a, b)| a - b).collect();
     let rows = rows(data, &candidate, &missing, every);
@@ -361,7 +358,7 @@ pub fn missing_force(models: &Models, chosen: &Candidate, ports_of_base: &[Port]
     let of_port = || stated.and_then(|p| p.depends.first()).map(|d| d.on);
     let of_signal = || dependences(data, &candidate, &missing, &[]).first().map(|d| d.on);
     let on = of_law.or_else(of_port).or_else(of_signal)?;
-    drawn(data, at, &missing, &rows, on, (&y, Some(&law), &run))
+    drawn(data, &missing, &rows, on, (&y, Some(&law), &run))
 }
 
 #[cfg(test)]

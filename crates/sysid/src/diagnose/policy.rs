@@ -106,9 +106,9 @@ policy! {
     PAIRED = 14.0;
     /// Share of what is left that a pair must promise beyond its better half.
     PAIR_WORTH = 0.1;
-    /// Single effects that are fitted from many starts with every effect at another port, where nothing is known of a base
-    /// parameter: the members of a family of laws lie close together.
-    SCATTERED = 3.0;
+    /// Share of what the best single effect takes from which another one is fitted from many starts, too, with every effect
+    /// at another port, where nothing is known of a base parameter: alone, all members of a family of laws take as much.
+    SCATTERED = 0.5;
     /// Greatest ratio of such a start to the stated value, up or down: what is stated without a tolerance is an order of
     /// magnitude.
     SCATTERED_RATIO = 10.0;
@@ -136,6 +136,8 @@ policy! {
     LOOKS_ALIKE = 1e-3;
     /// Times that an effect is weakened before a fit in open loop: together they lead as far as a promise may be off.
     WEAKENINGS = 4.0;
+    /// The same under the observer: they lead from the widest promise to a tenth of it.
+    WEAKENINGS_OBSERVED = 10.0;
     /// By how much each time: play that is wide open under an observer has an end.
     SLIGHTLY_WEAKER = 0.8;
     /// Steps of a fit in the search.

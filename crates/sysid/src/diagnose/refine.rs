@@ -7,8 +7,8 @@
 use super::candidate::within_half_a_period;
 use super::compare::{excess, is_seen, mean_square_difference};
 use super::policy::{
-    AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, RACE_STEPS, RACED, SLIGHTLY_WEAKER, STEPS, STEPS_DEAR,
-    STEPS_PER_SAMPLE, TRACE, WEAKENINGS, WEAKER, WINDOWS,
+    AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, RACE_STEPS, RACED, RIVAL_COST, SLIGHTLY_WEAKER, STEPS, STEPS_DEAR,
+    STEPS_PER_SAMPLE, TRACE, WEAKENINGS, WEAKENINGS_OBSERVED, WEAKER, WINDOWS,
 };
 use super::screen::{Known, is_amplitude};
 use super::{Candidate, count, values_by_name, with_effects};
@@ -216,12 +216,18 @@ impl<'a> Models<'a> {
         let cost =
             |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);
         let best = starts.into_iter().map(|s| (cost(&s), s)).reduce(|a, b| if b.0 < a.0 { b } else { a })?;
-        let options = FitOptions {
-            max_steps: RACE_STEPS as usize,
-            tolerance: ROUGH_TOLERANCE,
-            ..self.options(model.as_ref(), best.1, near)
+        let from = |start: Vec<f64>| {
+            let options = FitOptions {
+                max_steps: RACE_STEPS as usize,
+                tolerance: ROUGH_TOLERANCE,
+                ..self.options(model.as_ref(), start, near)
+            };
+            fit::fit(self.data, model.as_ref(), &options).ok()
         };
-        fit::fit(self.data, model.as_ref(), &options).ok()
+        let fit = from(best.1)?;
+        let (least, weaker) = weakest(model.as_ref(), &fit.values, near, &cost);
+        let again = if least < fit.cost { from(weaker) } else { None };
+        Some(again.filter(|again| again.cost < fit.cost).unwrap_or(fit))
     }
 
     /// The rest of such a fit.
@@ -278,33 +284,31 @@ impl<'a> Models<'a> {
         Candidate::fitted(self.data, effects.to_vec(), model, &options).ok()
     }
 
-    /// A fit in open loop from values, of few steps.
+    /// Where the search does without derivatives, a candidate fitted on with its own.
     #[must_use]
-    pub(super) fn followed(
-        &self,
-        model: &dyn Model,
-        values: Vec<f64>,
-        near: &Candidate,
-        steps: usize,
-    ) -> Option<Fit> {
-        let options = FitOptions { max_steps: steps, ..self.options(model, values, near) };
-        fit::fit(self.data, model, &options).ok()
-    }
-
-    /// Where the search does without derivatives, fits the lowest of some candidates on with its own.
-    pub(super) fn finish_best(&self, candidates: &mut [Candidate]) {
-        let best = candidates.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
-        let Some(best) = best.filter(|_| self.dear) else { return };
-        let (model, start) = (best.model.clone_box(), best.fit.values.clone());
+    pub(super) fn finished(&self, candidate: Candidate) -> Candidate {
+        if !self.dear {
+            return candidate;
+        }
+        let (model, start) = (candidate.model.clone_box(), candidate.fit.values.clone());
         let options = FitOptions {
             difference: Difference::Forward,
             tolerance: FINISHED_TOLERANCE,
             max_steps: STEPS as usize,
-            ..self.options(model.as_ref(), start, best)
+            ..self.options(model.as_ref(), start, &candidate)
         };
-        if let Ok(on) = Candidate::fitted(self.data, best.effects.clone(), model, &options) {
-            *best = on;
-        }
+        Candidate::fitted(self.data, candidate.effects.clone(), model, &options).unwrap_or(candidate)
+    }
+
+    /// A set that leaves something, or it fitted from its values under the observer as they are, where that leaves less: there
+    /// play has the width that it has, and in open loop it rattles, so that no fit leads from one width to another.
+    #[must_use]
+    pub(super) fn or_as_observed(&self, set: Candidate, observed: &Fit) -> Candidate {
+        let own: Known = observed.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
+        let other = self.fitted_near(&set, &set.effects, &own);
+        let other =
+            other.filter(|other| other.fit.cost <= RIVAL_COST * set.fit.cost).map(|o| self.finished(o));
+        other.filter(|other| other.fit.cost < set.fit.cost).unwrap_or(set)
     }
 
     /// The candidate with its counts searched again nearby.
@@ -399,6 +403,23 @@ fn weakened(model: &dyn Model, values: &[f64], near: &Candidate, part: f64) -> V
     };
     let weaker = |(p, v): (&Parameter, &f64)| if added(p) { part * v } else { *v };
     model.parameters().iter().zip(values).map(weaker).collect()
+}
+
+/// The least cost of values with the amplitudes of what a model has beyond a candidate's effects ever weaker, and the values
+/// that have it: a gap that is wide open lets nothing through, and no derivative says so.
+fn weakest(
+    model: &dyn Model,
+    values: &[f64],
+    near: &Candidate,
+    cost: &(dyn Fn(&Vec<f64>) -> f64 + Sync),
+) -> (f64, Vec<f64>) {
+    let parts: Vec<f64> = (1..=WEAKENINGS_OBSERVED as i32).map(|n| SLIGHTLY_WEAKER.powi(n)).collect();
+    let weaker = |part: &f64| {
+        let values = weakened(model, values, near, *part);
+        (cost(&values), values)
+    };
+    let all: Vec<(f64, Vec<f64>)> = parts.par_iter().map(weaker).collect();
+    all.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a }).unwrap_or((f64::INFINITY, values.to_vec()))
 }
 
 /// Values with those of other ones taken over place by place (an actuator's base parameters) where that lowers the cost, and

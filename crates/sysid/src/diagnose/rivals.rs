@@ -83,9 +83,7 @@ impl Search<'_> {
         let simplest = simpler.into_iter().filter(|&i| Some(parameters(i)) == fewest);
         let worse: Vec<usize> = simplest.filter(|&i| clearly_better(&self.tried[i], chosen, floor)).collect();
         for i in worse {
-            let mut finished = [self.tried[i].clone()];
-            self.models.finish_best(&mut finished);
-            let [finished] = finished;
+            let finished = self.models.finished(self.tried[i].clone());
             self.kept(finished);
         }
     }
@@ -139,9 +137,7 @@ impl Search<'_> {
             let rest = Candidate { effects: all_but(&effects, effect), ..self.tried[chosen].clone() };
             let set = self.set_with(&rest, std::slice::from_ref(&simple));
             let Some(fitted) = self.models.fitted(&self.tried[chosen], &set, &known, None) else { continue };
-            let mut fitted = [fitted];
-            self.models.finish_best(&mut fitted);
-            let [mut fitted] = fitted;
+            let mut fitted = self.models.finished(fitted);
             if self.tried[chosen].exact {
                 fitted = self.models.polished(&fitted);
             }

@@ -109,14 +109,12 @@ pub(super) fn rows(data: &Data, observed: &Candidate, missing: &Missing, step: u
             .collect(),
         time: each(&|run| data.runs[run].record.time_s.clone()),
         travelled: each(&|run| {
-            let mut sum = 0.0;
-            speed_of(run)
-                .iter()
-                .map(|v| {
-                    sum += v.abs();
-                    sum
-                })
-                .collect()
+            let (mut sum, time_s) = (0.0, &data.runs[run].record.time_s);
+            let way = |(i, v): (usize, &f64)| {
+                sum += v.abs() * (time_s[i] - time_s[i.saturating_sub(1)]);
+                sum
+            };
+            speed_of(run).iter().enumerate().map(way).collect()
         }),
         command: each(&command_of),
         motor: of(internal::MOTOR_FORCE),

@@ -10,6 +10,7 @@ use super::refine::{Models, with_nominal_base};
 use super::screen::Known;
 use super::{values_by_name, with_effects};
 use crate::data::Data;
+use crate::fit::{self, FitOptions};
 use crate::stats;
 use rayon::prelude::*;
 use sealegs_model::{Model, Parameter, Scale};
@@ -78,10 +79,13 @@ impl Models<'_> {
             seen: self.seen.clone(),
             dear: self.dear,
         };
-        let around = |places: Vec<Place>, ratio: f64| -> Vec<Place> {
-            let starts: Vec<(usize, Vec<f64>)> = places
+        // Far from the solution what is known of the base takes the part of what is not: it stays as stated.
+        let known: Vec<String> =
+            self.exact.parameters().iter().filter(|p| !is_unknown(p)).map(|p| p.name.clone()).collect();
+        let around = |values: Vec<(usize, Vec<f64>)>, ratio: f64| -> Vec<Place> {
+            let starts: Vec<(usize, Vec<f64>)> = values
                 .iter()
-                .filter_map(|place| Some((place.set, models[place.set].as_deref()?, &place.values)))
+                .filter_map(|(set, values)| Some((*set, models[*set].as_deref()?, values)))
                 .flat_map(|(set, model, values)| {
                     starts(model, own, values, ratio).into_iter().map(move |s| (set, s))
                 })
@@ -91,12 +95,15 @@ impl Models<'_> {
                 Some(Place { set, values, cost })
             });
             let mut all: Vec<Place> = looked.collect();
-            all.extend(places);
             for (of_each, of_all, steps) in ROUNDS {
                 all = most_promising(all, sets.len(), of_each, of_all)
                     .into_par_iter()
                     .filter_map(|Place { set, values, .. }| {
-                        let fit = rough.followed(models[set].as_deref()?, values, near, steps)?;
+                        let model = models[set].as_deref()?;
+                        let options = FitOptions { max_steps: steps, ..rough.options(model, values, near) };
+                        let options =
+                            FitOptions { held: [&known[..], &options.held[..]].concat(), ..options };
+                        let fit = fit::fit(&few, model, &options).ok()?;
                         Some(Place { set, cost: fit.cost, values: fit.values })
                     })
                     .collect();
@@ -105,27 +112,39 @@ impl Models<'_> {
         };
         let stated = sets.iter().enumerate().filter_map(|(set, (_, known))| {
             let known = with_nominal_base(self.exact, known);
-            let values = values_by_name(models[set].as_deref()?, &known);
-            Some(Place { set, values, cost: f64::INFINITY })
+            Some((set, values_by_name(models[set].as_deref()?, &known)))
         });
         let wide = around(stated.collect(), SCATTERED_RATIO);
-        let best = most_promising(wide, sets.len(), 1, usize::MAX);
-        let leader = best.iter().take(1).map(|p| Place { values: p.values.clone(), ..*p }).collect();
-        let near_leader = around(leader, NEARBY_RATIO);
+        let mut best = most_promising(wide, sets.len(), 1, usize::MAX);
+        // What the best place shares with other sets starts there, too.
+        let leader =
+            best.first().and_then(|p| Some((&sets[p.set].0, named(models[p.set].as_deref()?, &p.values))));
+        if let Some((lead, values)) = leader {
+            let added = |e: &String| !near.effects.contains(e);
+            let shares = |set: &[String]| lead.iter().any(|e| added(e) && set.contains(e));
+            let related = (0..sets.len()).filter(|&set| shares(&sets[set].0));
+            let starts =
+                related.filter_map(|set| Some((set, values_by_name(models[set].as_deref()?, &values))));
+            let places = around(starts.collect(), NEARBY_RATIO);
+            best = most_promising(places.into_iter().chain(best).collect(), sets.len(), 1, usize::MAX);
+        }
         self.data.add_work(&few);
-        most_promising(near_leader.into_iter().chain(best).collect(), sets.len(), 1, SHORTLIST as usize)
-            .into_par_iter()
+        best.truncate(SHORTLIST as usize);
+        best.into_par_iter()
             .filter_map(|place| {
-                let parameters = models[place.set].as_deref()?.parameters();
-                let known: Known =
-                    parameters.iter().map(|p| p.name.clone()).zip(place.values.iter().copied()).collect();
+                let known = named(models[place.set].as_deref()?, &place.values);
                 self.fitted_near(near, &sets[place.set].0, &known)
             })
             .collect()
     }
 }
 
-/// Values all over a range about those of a place: of what nothing is known, up to a ratio up and down.
+/// Values under their parameters' names.
+fn named(model: &dyn Model, values: &[f64]) -> Known {
+    model.parameters().iter().map(|p| p.name.clone()).zip(values.iter().copied()).collect()
+}
+
+/// The values of a place, and others all over a range about them: of what nothing is known, up to a ratio up and down.
 fn starts(model: &dyn Model, own: usize, about: &[f64], ratio: f64) -> Vec<Vec<f64>> {
     let parameters = model.parameters();
     let spread: Vec<usize> =
@@ -139,7 +158,7 @@ fn starts(model: &dyn Model, own: usize, about: &[f64], ratio: f64) -> Vec<Vec<f
         }
         values
     };
-    (1..=STARTS).map(start).collect()
+    std::iter::once(about.to_vec()).chain((1..STARTS).map(start)).collect()
 }
 
 /// The places of lowest cost, so many of each set and of all together.

@@ -179,14 +179,15 @@ impl Search<'_> {
         fitted
     }
 
-    /// Fits pairs beside a set from many starts: the best single effects, each with every effect at another port; the
+    /// Fits pairs beside a set from many starts: the single effects that take most, each with every effect at another port; the
     /// indices. Fitted values may have taken the place of either, so that screening beside them promises nothing.
     fn scattered(&mut self, from: usize, fitted: &[usize]) -> Vec<usize> {
         let near = self.tried[from].clone();
         let mut leaders: Vec<usize> = fitted.to_vec();
         leaders.retain(|&i| self.tried[i].effects.len() == near.effects.len() + 1);
-        leaders.sort_by(|&a, &b| self.tried[a].fit.cost.total_cmp(&self.tried[b].fit.cost));
-        leaders.truncate(SCATTERED as usize);
+        let takes = |i: usize| near.fit.cost - self.tried[i].fit.cost;
+        let most = leaders.iter().map(|&i| takes(i)).fold(0.0, f64::max);
+        leaders.retain(|&i| takes(i) > SCATTERED * most);
         let cards = self.models.exact.effects(&self.models.seen);
         let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
         let mut sets: Vec<(Vec<String>, Known)> = Vec::new();
