@@ -88,12 +88,11 @@ fn read(text: &str) -> Arc<dyn Effect> {
 }
 
 /// Effects that the other simulator does not make, with values, and whether they act on a lever alone.
-const OURS_ALONE: [(&str, &[f64], bool); 5] = [
+const OURS_ALONE: [(&str, &[f64], bool); 4] = [
     ("directional-efficiency", &[0.2, 0.05], false),
     ("warming-friction", &[30.0, 0.8, 0.5], false),
     ("output-offset", &[3.0], true),
     ("cable-stiffness", &[20.0, 0.3], true),
-    ("load-mismatch", &[0.8, 1.1], true),
 ];
 
 /// How strong an effect is made, in practice campaigns' usual ones, so that this command shows it.

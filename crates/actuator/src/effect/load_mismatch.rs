@@ -1,7 +1,7 @@
 //! Load mismatch: a pendulum's load that is heavier, lighter or farther out than the campaign says.
 
 use super::Effect;
-use super::setting::{Setting, with_neutral, with_starts};
+use super::setting::{Setting, magnitude, with_neutral, with_starts};
 use crate::plant::{Link, Plant};
 use sealegs_model::{EffectCard, Parameter};
 
@@ -12,8 +12,8 @@ pub struct LoadMismatch;
 impl Effect for LoadMismatch {
     fn card(&self, _setting: &Setting) -> EffectCard {
         let ratio = |name: &str| {
-            let ratio = Parameter { typical: 0.05, ..Parameter::new(name, "", 1.0, 0.2, 5.0) };
-            with_starts(with_neutral(ratio, 1.0), [0.7, 1.4])
+            let ratio = Parameter { typical: 0.05, ..magnitude(name, "", 1.1, 0.2, 5.0) };
+            with_starts(with_neutral(ratio, 1.0), [0.8])
         };
         EffectCard {
             id: "load-mismatch".to_owned(),

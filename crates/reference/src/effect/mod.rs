@@ -97,6 +97,7 @@ pub(crate) const KNOWN: &[Known] = &[
     sensor::DELAY,
     output::FRICTION,
     output::WOBBLING_MASS,
+    output::LOAD_MISMATCH,
     dahl_friction::DAHL,
     temperature_friction::BY_TEMPERATURE,
     base_motion::BASE_MOTION,

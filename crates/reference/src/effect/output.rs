@@ -32,3 +32,21 @@ pub(super) const WOBBLING_MASS: Known = Known {
         },
     )
 };
+
+pub(super) const LOAD_MISMATCH: Known = Known {
+    on_output: true,
+    ..Known::new(
+        "load-mismatch",
+        |m, v, _| {
+            if let End::Pendulum { mass_kg, length_m, .. } = &mut m.link_2 {
+                // A point mass with this weight's moment and this inertia.
+                *mass_kg *= v[0] * v[0] / v[1];
+                *length_m *= v[1] / v[0];
+            }
+        },
+        |d, a| {
+            let (mass, length) = (1.0 + 0.06 * a, 1.0 + d.magnitude(0.02, 0.06) * a);
+            vec![("gravity_ratio", mass * length), ("inertia_ratio", mass * length * length)]
+        },
+    )
+};

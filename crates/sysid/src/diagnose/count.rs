@@ -27,10 +27,16 @@ const ALL_COUNTS: f64 = 800.0;
 /// Fewest and most counts that are tried: coarser ones anybody sees, finer ones no bench feels.
 const FEWEST_COUNTS: f64 = 10.0;
 /// See [`FEWEST_COUNTS`].
-const MOST_COUNTS: f64 = 4000.0;
+const MOST_COUNTS: f64 = 8000.0;
 
 /// Ratio by which the number of counts that would leave as much as there is to explain may be off.
 const ROUGHLY: f64 = 2.0;
+
+/// Ratio between the numbers of counts that are tried to see how much counts toward zero hold back, and by which the best of
+/// them may be off: half of a count is a bias, which is known better than that.
+const TRUNCATED_RATIO: f64 = 1.05;
+/// See [`TRUNCATED_RATIO`].
+const TRUNCATED_ROUGHLY: f64 = 1.25;
 
 /// What is simulated for it of the run that is explained worst, s.
 const EXCERPT_S: f64 = 6.0;
@@ -144,23 +150,36 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
     let Some(about) = as_many_as_explain(&excerpt, &near, seen, card, peak / ALL_COUNTS) else {
         return Vec::new();
     };
-    // Other effects beside it leave more to explain than the counts do: all coarse ones are tried, and finer ones only
-    // around the number that would explain what is left.
-    let mut counts = evenly(FEWEST_COUNTS, ALL_COUNTS);
-    let finer = (about / ROUGHLY).max(ALL_COUNTS + COUNTS_APART);
-    counts.extend(evenly(finer, (about * ROUGHLY).min(MOST_COUNTS)));
-    let tried: Vec<(usize, Vec<f64>)> = counts
-        .into_iter()
-        .flat_map(|counts| {
+    // What else the effect has is where it begins, a truncation, or there and elsewhere.
+    let with = |counts: Vec<f64>, truncated: bool| -> Vec<(usize, Vec<f64>)> {
+        let with = |counts: f64| {
             let mut parameters = card.parameters.clone();
-            (parameters[counted].value, parameters[counted].starts) = (peak / counts, Vec::new());
+            parameters[counted].value = peak / counts;
+            let own = |&(i, _): &(usize, &mut Parameter)| truncated || i == counted;
+            parameters.iter_mut().enumerate().filter(own).for_each(|(_, p)| p.starts.clear());
             combinations(&parameters, usize::MAX).into_iter().map(|start| (0, start))
-        })
-        .collect();
-    let found = looks(&excerpt, &near, seen, std::slice::from_ref(card), &tried);
+        };
+        counts.into_iter().flat_map(with).collect()
+    };
+    let best_first = |tried: &[(usize, Vec<f64>)]| -> Vec<Vec<f64>> {
+        let found = looks(&excerpt, &near, seen, std::slice::from_ref(card), tried);
+        found.into_iter().map(|look| look.start).collect()
+    };
+    // Counts toward zero hold back as friction does, which tells about how many there are.
+    let truncated = best_first(&with(apart_by(TRUNCATED_RATIO, FEWEST_COUNTS, MOST_COUNTS), true));
+    let truncated = truncated.first().map_or(0.0, |start| peak / start[counted]);
+    // Other effects beside it leave more to explain than the counts do: all coarse ones are tried, and finer ones only
+    // around the numbers that would explain what is left.
+    let finer = |about: f64, ratio: f64| {
+        evenly((about / ratio).max(ALL_COUNTS + COUNTS_APART), (about * ratio).min(MOST_COUNTS))
+    };
+    let mut tried = with(evenly(FEWEST_COUNTS, ALL_COUNTS), false);
+    tried.extend(with(finer(about, ROUGHLY), false));
+    tried.extend(with(finer(truncated, TRUNCATED_ROUGHLY), true));
+    let found = best_first(&tried);
     data.add_work(&excerpt);
     let mut kept: Vec<Vec<f64>> = Vec::new();
-    for start in found.into_iter().map(|look| look.start) {
+    for start in found {
         let near = |k: &Vec<f64>| (k[counted] / start[counted]).ln().abs() < APART.ln();
         if kept.len() < KEPT && !kept.iter().any(near) {
             kept.push(start);
@@ -174,6 +193,12 @@ fn evenly(first: f64, last: f64) -> Vec<f64> {
     let steps = ((last - first) / COUNTS_APART).floor();
     let all = if steps < 0.0 { 0 } else { steps as i32 + 1 };
     (0..all).map(|i| first + COUNTS_APART * f64::from(i)).collect()
+}
+
+/// Numbers of counts that are tried, each a ratio beyond the one before.
+fn apart_by(ratio: f64, first: f64, last: f64) -> Vec<f64> {
+    let steps = ((last / first).ln() / ratio.ln()).floor() as i32;
+    (0..=steps).map(|i| first * ratio.powi(i)).collect()
 }
 
 /// About how many counts of the greatest command change as much as a candidate leaves above the noise: what a count
