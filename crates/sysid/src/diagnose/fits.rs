@@ -9,6 +9,7 @@ use super::screen::{Known, Plan};
 use super::search::{Observed, Search};
 use crate::fit::{EQUAL_COST, Fit};
 use rayon::prelude::*;
+use sealegs_model::Scale;
 
 impl Search<'_> {
     /// Fits plans beside a set that were not fitted yet, first under the observer, then the best of them in open loop; the
@@ -125,11 +126,16 @@ impl Search<'_> {
         set.fit.cost < before - EQUAL_COST
     }
 
-    /// Fits a set that leaves something again, as [`Models::grown`] from the one that it grew from: what rests at the wrong
-    /// values misleads all that is added to it.
+    /// Fits a set again, as [`Models::grown`] from the one that it grew from, where it leaves something: what rests at the
+    /// wrong values misleads all that is added to it. Or where two magnitudes of an effect were added: they make up for one
+    /// another, and a fit rests anywhere along that.
     pub(super) fn fit_from_every_start(&mut self, index: usize, from: usize) {
         let (set, near) = (&self.tried[index], &self.tried[from]);
-        if self.models.dear || self.is_long() || self.models.is_settled(set, &self.tried[0]) {
+        let own = near.model.parameters().len();
+        let magnitudes =
+            set.model.parameters().iter().skip(own).filter(|p| !p.fixed && p.scale == Scale::Logarithmic);
+        let settled = magnitudes.count() < 2 && self.models.is_settled(set, &self.tried[0]);
+        if self.models.dear || self.is_long() || settled {
             return;
         }
         let added: Vec<String> = set.effects.iter().filter(|e| !near.effects.contains(e)).cloned().collect();

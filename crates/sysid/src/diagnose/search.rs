@@ -51,6 +51,7 @@ impl Search<'_> {
         let (mut best, mut last) = self.grown_from(0);
         let other = if last { best } else { self.others_alone(best) };
         if other != best {
+            self.fit_from_every_start(other, 0);
             (best, last) = self.grown_from(other);
         }
         if last || self.is_long() {
