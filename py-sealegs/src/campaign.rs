@@ -39,7 +39,7 @@ impl Campaign {
 
     /// A campaign of arrays.
     #[staticmethod]
-    #[pyo3(signature = (name, bench, model, runs, noise_std, inputs, hold, sample_rate_hz))]
+    #[pyo3(signature = (name, bench, model, runs, noise_std, inputs, hold, sample_rate_hz, window_s))]
     #[allow(clippy::too_many_arguments, reason = "the Python package names them")]
     fn build(
         py: Python<'_>,
@@ -51,6 +51,7 @@ impl Campaign {
         inputs: Vec<String>,
         hold: &str,
         sample_rate_hz: Option<f64>,
+        window_s: Option<f64>,
     ) -> PyResult<Self> {
         let bench = bench_of(bench)?;
         let mut builder = sealegs::Campaign::builder(name, bench, model).hold(hold_of(hold)?);
@@ -62,6 +63,9 @@ impl Campaign {
         }
         if let Some(rate) = sample_rate_hz {
             builder = builder.sample_rate_hz(rate);
+        }
+        if let Some(window_s) = window_s {
+            builder = builder.window_s(window_s);
         }
         for (name, role, scenario, unit, rig, columns, (from_s, to_s)) in runs {
             let role = match role.as_str() {

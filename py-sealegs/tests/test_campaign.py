@@ -92,6 +92,20 @@ def test_the_numbers_of_a_rig_reach_its_model():
         error(rigs={"lihgt": {"mass_kg": 2.0}})
 
 
+def test_a_window_cuts_runs_into_pieces():
+    time_s = np.arange(0, 2, 2e-3)
+    table = {"time_s": time_s, "motor_force_n": np.cos(9 * time_s), "position_m": 1e-3 * np.sin(9 * time_s)}
+
+    def cut(bench: str) -> sealegs.Campaign:
+        return sealegs.Campaign.from_frames(
+            "slide", bench=bench, model="rigid-linear", fit={"a": table}, noise_std={"position_m": 1e-6}, window_s=0.5
+        )
+
+    assert list(cut("free").runs) == [f"a from {start:.1f} s" for start in (0, 0.5, 1, 1.5)]
+    with pytest.raises(sealegs.InputError, match="'free' and 'robot'"):
+        cut("locked")
+
+
 def test_a_table_that_names_no_columns_is_refused(description):
     with pytest.raises(TypeError, match="holds no named columns"):
         built(description, {"fit": {"a": [1, 2, 3]}, "holdout": {}})

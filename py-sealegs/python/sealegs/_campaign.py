@@ -47,6 +47,7 @@ class Campaign:
         span_s: Mapping[str, tuple[float | None, float | None]] | None = None,
         hold: str = "zero-order",
         sample_rate_hz: float | None = None,
+        window_s: float | None = None,
     ) -> Campaign:
         """A campaign of tables in memory; no file is written or read.
 
@@ -71,6 +72,8 @@ class Campaign:
         :param span_s: first and last time stamp of the rows that count, by run, s.
         :param hold: what the command does between samples: ``"zero-order"``, ``"linear"`` or ``"band-limited"``.
         :param sample_rate_hz: the nominal rate; a clock that differs from it is remarked on in :attr:`notes`.
+        :param window_s: of the benches ``"free"`` and ``"robot"``, runs are cut into pieces of so many seconds, each of
+            which begins at the measured state: a joint under a force drifts away in open loop.
 
         Raises :class:`InputError` naming run, row and column.
         """
@@ -85,7 +88,7 @@ class Campaign:
                 scenario, unit = ((said or {}).get(run) for said in (scenarios, units))
                 runs.append((str(run), role, scenario, unit, own, columns, (from_s, to_s)))
         noise = [(channel, float(std)) for channel, std in (noise_std or {}).items()]
-        return cls(_core.Campaign.build(name, bench, model, runs, noise, list(inputs), hold, sample_rate_hz))
+        return cls(_core.Campaign.build(name, bench, model, runs, noise, list(inputs), hold, sample_rate_hz, window_s))
 
     @property
     def name(self) -> str:

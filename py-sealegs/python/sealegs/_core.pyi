@@ -69,6 +69,7 @@ class Campaign:
         inputs: list[str],
         hold: str,
         sample_rate_hz: float | None,
+        window_s: float | None,
     ) -> Campaign: ...
     def columns(self, run: str) -> _Columns: ...
 

@@ -165,61 +165,87 @@ fn window(residual: &[f64]) -> std::ops::Range<usize> {
     at..at + ROWS
 }
 
+/// Measured and predicted values of a channel in the rows of a run around its largest residual.
+struct Excerpt<'a> {
+    time_s: &'a [f64],
+    measured: &'a [f64],
+    before: Vec<f64>,
+    after: Option<Vec<f64>>,
+}
+
+impl<'a> Excerpt<'a> {
+    fn of(s: &Shown<'a, '_>) -> Self {
+        let run = &s.part.data.runs[s.run];
+        let measured = run.measured[s.slot];
+        let before = shown(s.part, &s.part.before, s.run, s.slot).unwrap_or_default();
+        let after = s.part.after.as_ref().and_then(|at| shown(s.part, at, s.run, s.slot));
+        let residual: Vec<f64> = measured.iter().zip(&before).map(|(m, p)| m - p).collect();
+        let rows = window(&residual);
+        let cut = |v: Vec<f64>| v.get(rows.clone()).map(<[f64]>::to_vec).unwrap_or_default();
+        Self {
+            time_s: &run.record.time_s[rows.clone()],
+            measured: &measured[rows.clone()],
+            before: cut(before),
+            after: after.map(cut),
+        }
+    }
+
+    /// Measured minus predicted in the place of what was predicted.
+    fn residual(&self) -> (Vec<f64>, Option<Vec<f64>>) {
+        let of = |v: &Vec<f64>| self.measured.iter().zip(v).map(|(m, p)| m - p).collect::<Vec<f64>>();
+        (of(&self.before), self.after.as_ref().map(of))
+    }
+
+    fn points(&self, values: &[f64]) -> Vec<(f64, f64)> {
+        self.time_s.iter().copied().zip(values.iter().copied()).collect()
+    }
+
+    /// A chart with the curves of both models, or of the only one; `named` puts them into the legend.
+    fn with_models(
+        &self,
+        chart: Chart,
+        (before, after): (&[f64], Option<&[f64]>),
+        models: &Models,
+        named: bool,
+    ) -> Chart {
+        let name = |look: Look| if named { look.0 } else { "" };
+        let line =
+            |chart: Chart, look: Look, v: &[f64]| chart.line(name(look), look.1, look.2, self.points(v));
+        let chart = line(chart, models.before, before);
+        after.map_or(chart.clone(), |after| line(chart, models.after, after))
+    }
+}
+
+fn chart_over_time(s: &Shown, title: &str) -> Chart {
+    Chart::new(title, Axis::new("time", "s"), Axis::new("", Unit::symbol_of(&s.channel)))
+}
+
 /// Measured and both models of a channel around its largest residual; `named` puts a legend into the picture.
 fn picture(s: &Shown, models: &Models, named: bool) -> Chart {
-    let r = &s.part.data.runs[s.run];
-    let measured = r.measured[s.slot];
-    let first = shown(s.part, &s.part.before, s.run, s.slot).unwrap_or_default();
-    let second = s.part.after.as_ref().and_then(|at| shown(s.part, at, s.run, s.slot));
-    let residual: Vec<f64> = measured.iter().zip(&first).map(|(m, p)| m - p).collect();
-    let rows = window(&residual);
-    let points = |v: &[f64]| -> Vec<(f64, f64)> {
-        rows.clone().filter(|i| *i < v.len()).map(|i| (r.record.time_s[i], v[i])).collect()
-    };
+    let run = &s.part.data.runs[s.run];
     let errors = match s.after {
         Some(after) => format!("{} → {}", error(s.before), error(after)),
         None => error(s.before),
     };
-    let role = if r.role == Role::Holdout { "h: " } else { "" };
-    let title = format!("{}, {role}{}: {errors}", s.channel, short(&r.record.name));
-    let name = |text: &'static str| if named { text } else { "" };
-    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", Unit::symbol_of(&s.channel)))
-        .line(name("measured"), Hue::Ink, Dash::Solid, points(measured))
-        .line(name(models.before.0), models.before.1, models.before.2, points(&first));
-    match second {
-        Some(second) => chart.line(name(models.after.0), models.after.1, models.after.2, points(&second)),
-        None => chart,
-    }
+    let role = if run.role == Role::Holdout { "h: " } else { "" };
+    let title = format!("{}, {role}{}: {errors}", s.channel, short(&run.record.name));
+    let excerpt = Excerpt::of(s);
+    let measured = if named { "measured" } else { "" };
+    let chart =
+        chart_over_time(s, &title).line(measured, Hue::Ink, Dash::Solid, excerpt.points(excerpt.measured));
+    excerpt.with_models(chart, (&excerpt.before, excerpt.after.as_deref()), models, named)
 }
 
 /// What the models leave of the same rows, where it is so small that their curves lie on the measured one.
 fn left(s: &Shown, models: &Models) -> Option<Chart> {
-    let r = &s.part.data.runs[s.run];
-    let measured = r.measured[s.slot];
-    let of = |at: &Evaluation| -> Option<Vec<f64>> {
-        let predicted = shown(s.part, at, s.run, s.slot)?;
-        Some(measured.iter().zip(&predicted).map(|(m, p)| m - p).collect())
-    };
-    let first = of(&s.part.before)?;
-    let rows = window(&first);
-    let rows = rows.start..rows.end.min(first.len());
-    if !coincide(&measured[rows.clone()], &first[rows.clone()]) {
+    let excerpt = Excerpt::of(s);
+    let (before, after) = excerpt.residual();
+    if !coincide(excerpt.measured, &before) {
         return None;
     }
-    let points = |v: &[f64]| -> Vec<(f64, f64)> {
-        rows.clone().filter(|i| *i < v.len()).map(|i| (r.record.time_s[i], v[i])).collect()
-    };
-    let title = format!("{}, {}: measured minus predicted", s.channel, short(&r.record.name));
-    let chart = Chart::new(&title, Axis::new("time", "s"), Axis::new("", Unit::symbol_of(&s.channel))).line(
-        "",
-        models.before.1,
-        models.before.2,
-        points(&first),
-    );
-    Some(match s.part.after.as_ref().and_then(of) {
-        Some(second) => chart.line("", models.after.1, models.after.2, points(&second)),
-        None => chart,
-    })
+    let run = short(&s.part.data.runs[s.run].record.name);
+    let chart = chart_over_time(s, &format!("{}, {run}: measured minus predicted", s.channel));
+    Some(excerpt.with_models(chart, (&before, after.as_deref()), models, false))
 }
 
 /// Whether a residual is too small to be seen beside what was measured.

@@ -1,7 +1,7 @@
 //! `campaign.toml`: its keys, and what can be wrong with them.
 
 use super::columns::{self, FileEntry, MappedColumn, RawColumns, RawFile};
-use super::{Bench, Role};
+use super::{Bench, Role, windows};
 use crate::Error;
 use sealegs_model::{InputHold, plain};
 use serde::Deserialize;
@@ -240,9 +240,8 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
             from_s: bound(&run.from_s, "from_s")?,
             to_s: bound(&run.to_s, "to_s")?,
             window_s: match run.window_s.as_ref().or(raw.window_s.as_ref()) {
-                Some(window) if !matches!(bench, Bench::Free | Bench::Robot) => {
-                    let problem = "is for the benches 'free' and 'robot', whose runs may begin in motion";
-                    return Err(Error::bad(path, line(window.span()), Some("window_s"), problem));
+                Some(window) if !windows::suit(bench) => {
+                    return Err(Error::bad(path, line(window.span()), Some("window_s"), windows::SUIT));
                 }
                 window => window.map(|v| positive(v, "window_s")).transpose()?,
             },

@@ -3,7 +3,7 @@
 use super::file::Description;
 use super::scored::{scored_rows, too_few_rows};
 use super::table::{Said, check_columns, check_length, sort};
-use super::{Bench, Campaign, Clock, LeftOut, RigValues, Role, Run, RunNotes, clock};
+use super::{Bench, Campaign, Clock, LeftOut, RigValues, Role, Run, RunNotes, clock, in_pieces, windows};
 use crate::{Error, Place};
 use sealegs_model::{InputHold, Record};
 use std::path::{Path, PathBuf};
@@ -96,6 +96,7 @@ pub struct CampaignBuilder {
     model: String,
     inputs: Vec<String>,
     sample_rate_hz: Option<f64>,
+    window_s: Option<f64>,
     hold: InputHold,
     noise_std: Vec<(String, f64)>,
     runs: Vec<RunColumns>,
@@ -109,6 +110,7 @@ impl CampaignBuilder {
             model,
             inputs: Vec::new(),
             sample_rate_hz: None,
+            window_s: None,
             hold: InputHold::ZeroOrder,
             noise_std: Vec::new(),
             runs: Vec::new(),
@@ -150,6 +152,13 @@ impl CampaignBuilder {
         self
     }
 
+    /// For a free bench or a robot: runs are cut into pieces of so many seconds, each of which begins at the measured state.
+    #[must_use]
+    pub fn window_s(mut self, window_s: f64) -> Self {
+        self.window_s = Some(window_s);
+        self
+    }
+
     /// Checks everything as [`Campaign::read`] checks files.
     ///
     /// # Errors
@@ -169,6 +178,12 @@ impl CampaignBuilder {
         }
         if let Some(rate) = self.sample_rate_hz {
             positive(rate, "sample_rate_hz")?;
+        }
+        if let Some(window_s) = self.window_s {
+            positive(window_s, "window_s")?;
+            if !windows::suit(self.bench) {
+                return Err(Error::bad(&file, None, Some("window_s"), windows::SUIT));
+            }
         }
         if self.model.trim().is_empty() {
             let key = match self.bench {
@@ -203,7 +218,9 @@ impl CampaignBuilder {
             runs: Vec::new(),
             notes: Vec::new(),
         };
-        let runs = runs.into_iter().map(|run| (run, RunNotes::default())).collect();
+        let (window_s, rate) = (self.window_s, description.sample_rate_hz);
+        let runs =
+            runs.into_iter().flat_map(|run| in_pieces(run, RunNotes::default(), window_s, rate)).collect();
         Ok(Campaign::assembled(description, file, runs))
     }
 
@@ -356,5 +373,21 @@ mod tests {
         let run = RunColumns::new("a", Role::Fit, columns(40));
         let two = Campaign::builder("knee", Bench::Locked, "thor-linear").run(run.clone()).run(run).build();
         assert!(two.unwrap_err().to_string().contains("'a' is there twice"));
+    }
+
+    #[test]
+    fn runs_of_a_free_bench_are_cut_into_pieces() {
+        let free = |bench, window_s| {
+            let mut columns = columns(400);
+            columns[1].0 = "motor_force_n";
+            columns[2].0 = "position_m";
+            let run = RunColumns::new("slide", Role::Fit, columns).rig(RigValues::default());
+            Campaign::builder("slide", bench, "rigid-linear").run(run).window_s(window_s).build()
+        };
+        let campaign = free(Bench::Free, 0.1).unwrap();
+        let names: Vec<&str> = campaign.runs.iter().map(|r| r.record.name.as_str()).collect();
+        assert_eq!(names, ["slide from 0.0 s", "slide from 0.1 s", "slide from 0.2 s", "slide from 0.3 s"]);
+        assert!(free(Bench::Free, 0.0).unwrap_err().to_string().contains("must be positive"));
+        assert!(free(Bench::Locked, 0.1).unwrap_err().to_string().contains("'free' and 'robot'"));
     }
 }

@@ -148,6 +148,21 @@ struct RunNotes {
     is_further: bool,
 }
 
+/// A run, or its pieces (see [`windows`]); what is to be said of its file is said of the first.
+fn in_pieces(
+    run: Run,
+    notes: RunNotes,
+    window_s: Option<f64>,
+    sample_rate_hz: Option<f64>,
+) -> impl Iterator<Item = (Run, RunNotes)> {
+    let cut = match window_s {
+        Some(window_s) => windows::cut(run, window_s, sample_rate_hz),
+        None => vec![run],
+    };
+    let further = || RunNotes { is_further: true, ..RunNotes::default() };
+    cut.into_iter().zip(std::iter::once(notes).chain(std::iter::repeat_with(further)))
+}
+
 impl Run {
     /// Whether the run's columns were given in memory: its path is then no file's.
     #[must_use]
@@ -272,13 +287,7 @@ impl Campaign {
         let mut pieces: Vec<(Run, RunNotes)> = Vec::new();
         for (run, entry) in runs.into_iter().zip(&description.runs) {
             let (run, notes) = run?;
-            let cut = match entry.window_s {
-                Some(window_s) => windows::cut(run, window_s, description.sample_rate_hz),
-                None => vec![run],
-            };
-            let further = || RunNotes { is_further: true, ..RunNotes::default() };
-            let notes = std::iter::once(notes).chain(std::iter::repeat_with(further));
-            pieces.extend(cut.into_iter().zip(notes));
+            pieces.extend(in_pieces(run, notes, entry.window_s, description.sample_rate_hz));
         }
         Ok(Self::assembled(description, file, pieces))
     }
