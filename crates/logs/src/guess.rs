@@ -2,7 +2,7 @@
 
 use crate::survey::{ColumnSurvey, Role};
 use crate::table::Table;
-use sealegs_model::Unit;
+use sealegs_model::{Unit, columns};
 
 /// What is measured or commanded.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -204,8 +204,8 @@ pub(crate) fn roles(table: &Table, clock: Option<usize>, columns: &mut [ColumnSu
             continue;
         }
         let own = &table.columns[i].name;
-        if own.contains('_') && Unit::of_channel(own).is_ok() && KNOWN.contains(&own.as_str()) {
-            let target = KNOWN.iter().find(|k| *k == own).copied().unwrap_or_default();
+        let stated = known(own).filter(|own| own.contains('_') && Unit::of_channel(own).is_ok());
+        if let Some(target) = stated {
             let reason = "the data contract calls it so".to_owned();
             guesses.push(First { column: i, target, settings: None, reason, rank: 0 });
         } else {
@@ -214,7 +214,7 @@ pub(crate) fn roles(table: &Table, clock: Option<usize>, columns: &mut [ColumnSu
     }
     // Of a drive that logs its position and one torque, and no command, the torque is what drives it.
     let count = |target: &str| guesses.iter().filter(|g| g.target == target).count();
-    let is_input = |g: &First| COMMANDS.contains(&g.target);
+    let is_input = |g: &First| columns::INPUTS.contains(&g.target);
     if count("output_torque_nm") == 1 && count("joint_angle_rad") == 1 && !guesses.iter().any(is_input) {
         for guess in guesses.iter_mut().filter(|g| g.target == "output_torque_nm" && g.rank > 0) {
             guess.target = "joint_torque_nm";
@@ -249,31 +249,11 @@ pub(crate) fn roles(table: &Table, clock: Option<usize>, columns: &mut [ColumnSu
     }
 }
 
-/// Channels that are guessed, as the contract calls them.
-const KNOWN: [&str; 18] = [
-    "current_a",
-    "motor_force_n",
-    "motor_torque_nm",
-    "voltage_v",
-    "position_rad",
-    "joint_torque_nm",
-    "force_1_n",
-    "force_2_n",
-    "motor_angle_rad",
-    "spring_deflection_m",
-    "joint_angle_rad",
-    "output_torque_nm",
-    "spring_torque_nm",
-    "spring_deflection_rad",
-    "position_m",
-    "speed_rad_s",
-    "supply_v",
-    "temperature_c",
-];
-
-/// Those of them that drive a bench.
-const COMMANDS: [&str; 6] =
-    ["current_a", "motor_force_n", "motor_torque_nm", "voltage_v", "position_rad", "joint_torque_nm"];
+/// A channel by the contract's own name for it.
+fn known(name: &str) -> Option<&'static str> {
+    let mut all = columns::INPUTS.into_iter().chain(columns::OUTPUTS).chain(columns::BESIDE);
+    all.find(|known| *known == name)
+}
 
 /// What a bench's channel is called behind the name of a joint.
 fn of_a_joint(target: &str) -> &str {

@@ -12,6 +12,7 @@
 //! `y = r theta` is positive when it lengthens the actuator. A residual is measured minus predicted.
 
 mod channel;
+pub mod columns;
 mod effect;
 mod law;
 mod parameter;

@@ -1,6 +1,6 @@
 //! The model of a campaign that was recorded on a bench: its actuator, or another actuator file, on that bench.
 
-use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
+use crate::campaign_model::{CampaignModel, note_down, note_sensors, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
@@ -186,12 +186,7 @@ impl CampaignModel for BenchModel {
             with_them = with_them.including(effect, &added.seen)?;
         }
         spec.effects = with_them.effect_specs(&added.values(), &added.stds());
-        for sensor in &added.sensors {
-            let said = spec.sensors.entry(sensor.channel.clone()).or_default();
-            said.gain = Some(sensor.gain);
-            said.bias = Some(sensor.bias);
-            said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
-        }
+        note_sensors(&mut spec.sensors, added);
         note_down(&mut spec.provenance, notes_of(added, campaign, provenance));
         // Whoever gets the file must be able to load it.
         let text = spec.to_toml();

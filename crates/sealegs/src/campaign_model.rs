@@ -119,6 +119,16 @@ pub fn inputs_of(provenance: &Provenance) -> (&'static str, String) {
     (INPUTS, hashes.collect::<Vec<_>>().join("; "))
 }
 
+/// Keeps what a fit found of the sensors among what a model file says of them.
+pub(crate) fn note_sensors(known: &mut BTreeMap<String, SensorSpec>, added: &Fitted) {
+    for sensor in &added.sensors {
+        let said = known.entry(sensor.channel.clone()).or_default();
+        said.gain = Some(sensor.gain);
+        said.bias = Some(sensor.bias);
+        said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
+    }
+}
+
 /// Puts notes into a model file's provenance. What it was fitted to before stays beside what it was fitted to now.
 pub(crate) fn note_down(provenance: &mut BTreeMap<String, String>, notes: Vec<(String, String)>) {
     for (key, note) in notes {

@@ -1,6 +1,6 @@
 //! The model of a campaign that was recorded on a leg: its scenario, or another scenario file, and its runs' own.
 
-use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
+use crate::campaign_model::{CampaignModel, note_down, note_sensors, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
@@ -121,12 +121,7 @@ impl CampaignModel for LegModel {
             with_them = with_them.including(effect, &added.seen)?;
         }
         let mut scenario = with_them.fitted_scenario(&added.values(), &added.stds());
-        for sensor in &added.sensors {
-            let said = scenario.sensors.entry(sensor.channel.clone()).or_default();
-            said.gain = Some(sensor.gain);
-            said.bias = Some(sensor.bias);
-            said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
-        }
+        note_sensors(&mut scenario.sensors, added);
         note_down(&mut scenario.provenance, notes_of(added, campaign, provenance));
         scenario.move_to(folder)?;
         // Whoever gets the file must be able to load it.

@@ -1,6 +1,6 @@
 //! The model of a campaign that was recorded on a robot with torque drives: its URDF and drives, or its own model file.
 
-use crate::campaign_model::{CampaignModel, note_down, notes_of, was_fitted_here};
+use crate::campaign_model::{CampaignModel, note_down, note_sensors, notes_of, was_fitted_here};
 use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
@@ -131,12 +131,7 @@ impl CampaignModel for RobotModel {
             with_them = with_them.including(effect, &added.seen)?;
         }
         let mut file = with_them.fitted_file(&added.values(), &added.stds());
-        for sensor in &added.sensors {
-            let said = file.sensors.entry(sensor.channel.clone()).or_default();
-            said.gain = Some(sensor.gain);
-            said.bias = Some(sensor.bias);
-            said.bias_spread = Some(sensor.bias_spread).filter(|s| s.is_finite());
-        }
+        note_sensors(&mut file.sensors, added);
         note_down(&mut file.provenance, notes_of(added, campaign, provenance));
         let text = file.to_toml_in(folder)?;
         // Whoever gets the file must be able to load it.

@@ -24,6 +24,9 @@ pub use left_out::{LeftOut, RARE, Spikes};
 pub use memory::{CampaignBuilder, RunColumns};
 pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
 pub use rig::RigValues;
+pub use sealegs_model::columns::{
+    BESIDE as SIDE_COLUMNS, INPUTS as INPUT_COLUMNS, OUTPUTS as OUTPUT_COLUMNS,
+};
 
 use crate::nuisance::SensorPrior;
 use crate::{Error, stats};
@@ -32,28 +35,6 @@ use scored::{scored_rows, skip_start_in_motion, too_few_rows};
 use sealegs_model::{Model, Record, Signal};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-
-/// Columns that are commands to the motor; a run of a bench has exactly one of them.
-pub const INPUT_COLUMNS: [&str; 6] =
-    ["current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm", "voltage_v", "position_rad"];
-
-/// Columns that a drive reads beside its command: switched on or not, its measured supply, its measured temperature.
-pub const SIDE_COLUMNS: [&str; 3] = ["enable", "supply_v", "temperature_c"];
-
-/// Columns that a bench's sensors may have recorded.
-pub const OUTPUT_COLUMNS: [&str; 11] = [
-    "force_1_n",
-    "force_2_n",
-    "motor_angle_rad",
-    "spring_deflection_m",
-    "joint_angle_rad",
-    "output_torque_nm",
-    "spring_torque_nm",
-    "spring_deflection_rad",
-    "position_m",
-    "speed_m_s",
-    "speed_rad_s",
-];
 
 /// Fewest rows that a run, and the part of it that counts, may have.
 pub const FEWEST_ROWS: usize = 16;

@@ -1,0 +1,33 @@
+//! The columns of a bench's log, as the contract calls them: what a campaign may hold and a bench's model takes and predicts.
+
+/// Commands to the motor; a run of a bench has exactly one of them. `joint_torque_nm` is `motor_torque_nm` by the name that
+/// drives without a spring are commanded by.
+pub const INPUTS: [&str; 6] =
+    ["current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm", "voltage_v", "position_rad"];
+
+/// Whether the drive is switched on, beside an input: below 0.5 its bridge is open.
+pub const ENABLE: &str = "enable";
+
+/// The measured supply of a servo, beside its input, V.
+pub const SUPPLY: &str = "supply_v";
+
+/// The measured temperature of the drive, beside its input, degrees Celsius.
+pub const TEMPERATURE: &str = "temperature_c";
+
+/// What a drive reads beside its command.
+pub const BESIDE: [&str; 3] = [ENABLE, SUPPLY, TEMPERATURE];
+
+/// What a bench's sensors may have recorded.
+pub const OUTPUTS: [&str; 11] = [
+    "force_1_n",
+    "force_2_n",
+    "motor_angle_rad",
+    "spring_deflection_m",
+    "joint_angle_rad",
+    "output_torque_nm",
+    "spring_torque_nm",
+    "spring_deflection_rad",
+    "position_m",
+    "speed_m_s",
+    "speed_rad_s",
+];
