@@ -21,6 +21,20 @@ const RIVALS: usize = 3;
 /// Effects of the screening in open loop that are fitted.
 const OPEN_LOOP: usize = 4;
 
+/// Members of a set beyond which every effect is fitted alone first.
+const PAIR: usize = 2;
+
+/// Why a set grows no further.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Ended {
+    /// It leaves so little that the last effect was looked at once.
+    AtLast,
+    /// It has as many members as were asked for.
+    AtMost,
+    /// No further one is clearly better.
+    NoBetter,
+}
+
 /// A set as it was fitted under the observer.
 pub(super) struct Observed {
     pub effects: Vec<String>,
@@ -46,15 +60,20 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Grows, exchanges and prunes from the base model (`tried[0]`); the index of the best set.
+    /// Grows, exchanges and prunes from the base model (`tried[0]`); the index of the best set. Before a pair grows further
+    /// every effect that was not fitted alone is: one that is screened badly explains what three others do not.
     pub fn run(&mut self) -> usize {
-        let (mut best, mut last) = self.grown_from(0);
-        let other = if last { best } else { self.others_alone(best) };
-        if other != best {
-            self.fit_from_every_start(other, 0);
-            (best, last) = self.grown_from(other);
+        let (mut best, mut ended) = self.grown_from(0, PAIR);
+        if ended != Ended::AtLast {
+            let other = self.others_alone(best);
+            if other != best {
+                self.fit_from_every_start(other, 0);
+            }
+            if other != best || ended == Ended::AtMost {
+                (best, ended) = self.grown_from(other, MOST_EFFECTS as usize);
+            }
         }
-        if last || self.is_long() {
+        if ended == Ended::AtLast || self.is_long() {
             return best;
         }
         for _ in 0..ROUNDS {
@@ -74,10 +93,13 @@ impl Search<'_> {
         self.models.data.work().1 > LONG_SEARCH_S
     }
 
-    /// Adds effects to a set as long as that is clearly better; the index of the last set, and whether it leaves so little
-    /// that the last one was looked at once.
-    fn grown_from(&mut self, mut best: usize) -> (usize, bool) {
-        while self.tried[best].effects.len() < MOST_EFFECTS as usize && !self.at_floor(best) {
+    /// Adds effects to a set as long as that is clearly better, up to so many; the index of the last set, and why it grows no
+    /// further.
+    fn grown_from(&mut self, mut best: usize, most: usize) -> (usize, Ended) {
+        while !self.at_floor(best) {
+            if self.tried[best].effects.len() >= most {
+                return (best, Ended::AtMost);
+            }
             // What is less than the contract's share of the base model's error is a trace: it is looked at once.
             let last = self.is_explained(best);
             if last && self.tried[best].fit.error() <= EXPLAINED * self.models.data.floor {
@@ -92,7 +114,7 @@ impl Search<'_> {
             let before = std::mem::replace(&mut best, better);
             let rugged = self.refine_steps(best);
             if last {
-                return (best, true);
+                return (best, Ended::AtLast);
             }
             // What is right about one run only is no ground for more.
             let alone = self.tried[before].effects.is_empty();
@@ -100,7 +122,7 @@ impl Search<'_> {
                 break;
             }
         }
-        (best, false)
+        (best, Ended::NoBetter)
     }
 
     /// Whether a third or a fourth effect takes so little of what two leave, and leaves so much, that it would not be named:
