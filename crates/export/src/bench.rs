@@ -3,7 +3,7 @@
 use crate::ExportError;
 use crate::term::{Included, Term, parameters_of};
 use sealegs_actuator::bench::{Bench, BenchModel, OUTPUTS};
-use sealegs_actuator::plant::{GRAVITY_M_S2, Link};
+use sealegs_actuator::plant::GRAVITY_M_S2;
 use sealegs_actuator::{Kind, spec::SensorSpec};
 use sealegs_model::Model;
 use std::collections::BTreeMap;
@@ -66,16 +66,9 @@ impl BenchDescription {
             Bench::Locked if !rigid => Output::Held,
             Bench::Pendulum(rig) if !rigid && rig.rod_mass_kg == 0.0 => {
                 // Of a point mass weight and inertia, as effects have changed them, tell mass and place.
-                let of = |link| match link {
-                    Link::Pendulum { inertia_kg_m2, gravity_torque_nm, .. } => {
-                        Some((inertia_kg_m2, gravity_torque_nm))
-                    }
-                    _ => None,
-                };
-                let (Some(is), Some(stated)) = (of(plant.link_2), of(rig.link())) else {
-                    return Err(ExportError::Bench { model: model.name() });
-                };
-                let (inertia, weight) = (is.0 / stated.0, is.1 / stated.1);
+                let (is, stated) = (plant.link_2, rig.link());
+                let inertia = is.mass_kg() / stated.mass_kg();
+                let weight = is.stiffness_n_m() / stated.stiffness_n_m();
                 Output::Pendulum {
                     mass_kg: rig.mass_kg * weight * weight / inertia,
                     length_m: rig.length_m * inertia / weight,

@@ -181,7 +181,7 @@ impl<'a> Excerpt<'a> {
         let after = s.part.after.as_ref().and_then(|at| shown(s.part, at, s.run, s.slot));
         let residual: Vec<f64> = measured.iter().zip(&before).map(|(m, p)| m - p).collect();
         let rows = window(&residual);
-        let cut = |v: Vec<f64>| v.get(rows.clone()).map(<[f64]>::to_vec).unwrap_or_default();
+        let cut = |v: Vec<f64>| v[rows.start.min(v.len())..rows.end.min(v.len())].to_vec();
         Self {
             time_s: &run.record.time_s[rows.clone()],
             measured: &measured[rows.clone()],
@@ -212,7 +212,10 @@ impl<'a> Excerpt<'a> {
         let line =
             |chart: Chart, look: Look, v: &[f64]| chart.line(name(look), look.1, look.2, self.points(v));
         let chart = line(chart, models.before, before);
-        after.map_or(chart.clone(), |after| line(chart, models.after, after))
+        match after {
+            Some(after) => line(chart, models.after, after),
+            None => chart,
+        }
     }
 }
 
@@ -221,7 +224,7 @@ fn chart_over_time(s: &Shown, title: &str) -> Chart {
 }
 
 /// Measured and both models of a channel around its largest residual; `named` puts a legend into the picture.
-fn picture(s: &Shown, models: &Models, named: bool) -> Chart {
+fn picture(s: &Shown, excerpt: &Excerpt, models: &Models, named: bool) -> Chart {
     let run = &s.part.data.runs[s.run];
     let errors = match s.after {
         Some(after) => format!("{} → {}", error(s.before), error(after)),
@@ -229,7 +232,6 @@ fn picture(s: &Shown, models: &Models, named: bool) -> Chart {
     };
     let role = if run.role == Role::Holdout { "h: " } else { "" };
     let title = format!("{}, {role}{}: {errors}", s.channel, short(&run.record.name));
-    let excerpt = Excerpt::of(s);
     let measured = if named { "measured" } else { "" };
     let chart =
         chart_over_time(s, &title).line(measured, Hue::Ink, Dash::Solid, excerpt.points(excerpt.measured));
@@ -237,8 +239,7 @@ fn picture(s: &Shown, models: &Models, named: bool) -> Chart {
 }
 
 /// What the models leave of the same rows, where it is so small that their curves lie on the measured one.
-fn left(s: &Shown, models: &Models) -> Option<Chart> {
-    let excerpt = Excerpt::of(s);
+fn left(s: &Shown, excerpt: &Excerpt, models: &Models) -> Option<Chart> {
     let (before, after) = excerpt.residual();
     if !coincide(excerpt.measured, &before) {
         return None;
@@ -264,7 +265,7 @@ pub(crate) fn foremost(parts: &[Part], models: &Models, effects: &[String]) -> O
         effects.iter().filter_map(|e| e.split_once('/')).map(|(place, _)| place).collect();
     let is_there = |s: &&Shown| s.channel.split_once('.').is_some_and(|(place, _)| places.contains(&place));
     let first = improved.iter().find(is_there).or_else(|| improved.first())?;
-    Some(picture(first, models, true))
+    Some(picture(first, &Excerpt::of(first), models, true))
 }
 
 /// The picture of the channel and run in which the second model, or the only one, is furthest off; `None` where nothing was
@@ -273,13 +274,16 @@ pub(crate) fn worst(part: &Part, models: &Models) -> Option<Chart> {
     let left = |s: &Shown| s.after.unwrap_or(s.before);
     let every = every(part);
     let worst = every.iter().max_by(|a, b| left(a).total_cmp(&left(b)))?;
-    Some(picture(worst, models, true))
+    Some(picture(worst, &Excerpt::of(worst), models, true))
 }
 
 /// Measured and both models, a small picture for each of the channels that improved most.
 pub(crate) fn multiples(page: &mut Report, parts: &[Part], models: &Models) {
     let improved = improved(parts);
-    let of = |s: &Shown| [Some(picture(s, models, false)), left(s, models)];
+    let of = |s: &Shown| {
+        let excerpt = Excerpt::of(s);
+        [Some(picture(s, &excerpt, models, false)), left(s, &excerpt, models)]
+    };
     let charts: Vec<Chart> = improved.iter().flat_map(of).flatten().collect();
     let pictures: Vec<&dyn Picture> = charts.iter().map(|c| c as &dyn Picture).collect();
     let key = |look: Look| (look.0, look.1, look.2);
