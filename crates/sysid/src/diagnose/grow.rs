@@ -1,5 +1,6 @@
 //! Sets grown one effect at a time, each from its most promising starting values.
 
+use super::along::simpler_along;
 use super::policy::STARTS;
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, screen};
@@ -7,7 +8,8 @@ use super::{Candidate, values_by_name, with_effects};
 use crate::fit::{self, Difference};
 
 impl Models<'_> {
-    /// A set with one more effect, from its most promising starting values and from its guess; the lower of the fits.
+    /// A set with one more effect, from its most promising starting values, from its guess, and beside the law that it
+    /// becomes where it repeats along the screw; the lowest of the fits.
     #[must_use]
     pub fn with_one_more(&self, near: &Candidate, effect: &str) -> Option<Candidate> {
         let cards: Vec<_> = near.model.effects(&self.seen).into_iter().filter(|c| c.id == effect).collect();
@@ -19,6 +21,11 @@ impl Models<'_> {
         let starts =
             looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
         let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
+        let in_its_place = cards.first().and_then(|card| {
+            let simple = simpler_along(card).filter(|simple| !near.effects.contains(simple))?;
+            let beside = self.with_one_more(near, &simple)?;
+            self.repeating(&beside, card)
+        });
         let fitted = starts.into_iter().filter_map(|start| {
             let known: Known = known.iter().cloned().chain(start).collect();
             let observed = beside.as_ref().and_then(|beside| {
@@ -26,7 +33,7 @@ impl Models<'_> {
             });
             self.fitted(near, &effects, &known, observed.as_ref())
         });
-        fitted.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
+        fitted.chain(in_its_place).reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
     }
 
     /// A candidate with more effects, grown one by one in either order, as what an effect shows may depend on another one

@@ -9,6 +9,7 @@
 
 mod across;
 mod adapt;
+mod along;
 mod candidate;
 mod compare;
 mod conventions;

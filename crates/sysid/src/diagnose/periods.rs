@@ -9,7 +9,7 @@ use super::policy::{CYCLES, LOWEST_HZ, PERIOD_ROWS, PERIODS, RESONANCES, RESONAN
 use crate::data::Data;
 use crate::fit;
 use rayon::prelude::*;
-use sealegs_model::{EffectCard, internal};
+use sealegs_model::{EffectCard, Parameter, internal};
 use std::f64::consts::TAU;
 
 /// The parameter that says where an effect resonates.
@@ -33,11 +33,7 @@ pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard)
         } else if p.name.starts_with(EffectCard::PERIOD)
             && let Some(missing) = rotor()
         {
-            let starts = || p.starts.iter().copied().chain([p.value]);
-            let (shortest, longest) =
-                (starts().fold(f64::INFINITY, f64::min), starts().fold(f64::NEG_INFINITY, f64::max));
-            let found =
-                strongest(&along(data, observed, &missing, internal::SCREW_POSITION), (shortest, longest));
+            let found = strongest(&along(data, observed, &missing, internal::SCREW_POSITION), p);
             match found.first() {
                 Some(first) if dear => (p.value, p.starts) = (*first, found),
                 _ => p.starts.extend(found),
@@ -97,7 +93,7 @@ fn loudest(data: &Data, candidate: &Candidate, (lowest, highest): (f64, f64)) ->
 }
 
 /// The places of local maxima, the greatest first.
-fn peaks(power: &[f64]) -> Vec<usize> {
+pub(super) fn peaks(power: &[f64]) -> Vec<usize> {
     let at = |i: usize| power.get(i).copied().unwrap_or(0.0);
     let mut peaks: Vec<usize> =
         (0..power.len()).filter(|&i| at(i) > at(i + 1) && (i == 0 || at(i) >= at(i - 1))).collect();
@@ -142,19 +138,33 @@ fn along(data: &Data, observed: &Candidate, missing: &Missing, over: &str) -> Ve
         .collect()
 }
 
-/// The periods between two bounds at which the force has most power, the strongest first.
-fn strongest(rows: &[Row], (shortest, longest): (f64, f64)) -> Vec<f64> {
-    let positions = || rows.iter().map(|r| r.position);
-    let (low, high) =
-        (positions().fold(f64::INFINITY, f64::min), positions().fold(f64::NEG_INFINITY, f64::max));
+/// The length of a travel, and waves along it in even steps between a period's least and greatest start: a part of a wave
+/// turns a crest into a trough at the far end. `None` where nothing moves.
+pub(super) fn waves_along(
+    positions: impl Iterator<Item = f64>,
+    period: &Parameter,
+) -> Option<(f64, Vec<f64>)> {
+    let (low, high) = extent(positions);
+    let (shortest, longest) = extent(period.starts.iter().copied().chain([period.value]));
     let travel = high - low;
     if travel.is_nan() || travel <= 0.0 || shortest <= 0.0 {
-        return Vec::new();
+        return None;
     }
-    // Waves along the travel, in even steps: a part of a wave turns a crest into a trough at the far end.
     let (first, last) = (travel / longest, travel / shortest);
     let steps = ((last - first) / WAVES_APART).ceil() as usize;
-    let waves: Vec<f64> = (0..=steps).map(|i| first + WAVES_APART * i as f64).collect();
+    Some((travel, (0..=steps).map(|i| first + WAVES_APART * i as f64).collect()))
+}
+
+/// Least and greatest of some values.
+fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// The periods at which the force has most power, the strongest first.
+fn strongest(rows: &[Row], period: &Parameter) -> Vec<f64> {
+    let Some((travel, waves)) = waves_along(rows.iter().map(|r| r.position), period) else {
+        return Vec::new();
+    };
     let power = powers(rows, &waves.iter().map(|waves| waves / travel).collect::<Vec<_>>());
     peaks(&power).into_iter().take(PERIODS as usize).map(|i| travel / waves[i]).collect()
 }
@@ -191,7 +201,9 @@ mod tests {
                 Row { position, force: [force, force * direction] }
             })
             .collect();
-        let found = strongest(&rows, (0.0005, 0.48));
+        let mut period = Parameter::new("period_m", "m", 0.01, 0.0005, 0.48);
+        period.starts = vec![0.0005, 0.48];
+        let found = strongest(&rows, &period);
         assert!(found.iter().any(|p| (p / 0.002 - 1.0).abs() < 2e-3), "{found:?}");
     }
 

@@ -191,6 +191,9 @@ policy! {
     WAVES_APART = 0.25;
     /// Periods of the greatest power that are simulated.
     PERIODS = 4.0;
+    /// Size of a wave along the screw when its signature is simulated, as a share of the law that it is looked for beside: small
+    /// enough that a rotor sticks no longer for it.
+    SLIGHT_WAVE = 0.1;
     /// Frequencies of the greatest power of what is left at which a resonance starts: the residual beside a fitted model has
     /// its lobes on either side of it.
     RESONANCES = 3.0;

@@ -1,6 +1,7 @@
 //! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the promising ones are
 //! fitted, members leave again, and rivals of each member are tried.
 
+use super::along::simpler_along;
 use super::compare::{clearly_better, excess, is_beyond_chance};
 use super::policy::{
     AT_FLOOR, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST, OPEN_LOOP_WORTH,
@@ -10,7 +11,7 @@ use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
 use super::{Candidate, Progress};
 use rayon::prelude::*;
-use sealegs_model::{EffectCard, internal};
+use sealegs_model::{EffectCard, Scale, internal};
 
 /// Times that members are exchanged and taken out in turn.
 const ROUNDS: usize = 2;
@@ -135,33 +136,47 @@ impl Search<'_> {
             && after > (1.0 - WORTH_NAMING) * before
     }
 
-    /// Where the best set leaves something, every effect that was not fitted alone is, from where it promises most in open
-    /// loop and under the observer, and from its guess: a resonance that starts in the wrong place promises nothing. The
-    /// index of the best one if it is clearly better than the best set.
+    /// Where the best set leaves something, every effect that was not fitted alone is, from all that [`Models::with_one_more`]
+    /// starts from: those first that are screened badly, and no other ones where one of these explains everything. The index
+    /// of the best one if it is clearly better than the best set.
     fn others_alone(&mut self, best: usize) -> usize {
-        let (models, base) = (&self.models, self.tried[0].clone());
-        if models.dear || self.is_long() || models.is_settled(&self.tried[best], &base) {
+        let base = &self.tried[0];
+        if self.models.dear || self.is_long() || self.models.is_settled(&self.tried[best], base) {
             return best;
         }
-        let cards = addable(base.model.as_ref(), &models.seen, &self.admitted);
-        let mut promises = self.at(&base, &cards).promises;
-        promises.retain(|p| self.tried.iter().all(|t| t.effects != std::slice::from_ref(&p.effect)));
-        self.say_fitted(promises.iter().map(|p| vec![p.effect.clone()]).collect());
-        let from = |p: &Promise| {
-            let known: Known = base.known().into_iter().chain(p.start.iter().cloned()).collect();
-            self.models.fitted(&base, std::slice::from_ref(&p.effect), &known, None)
-        };
-        let fit = |p: &Promise| {
-            let observed = self.promises.iter().find(|o| o.effect == p.effect);
-            let guessed = Promise { start: Vec::new(), ..p.clone() };
-            let all = observed.and_then(from).into_iter().chain(from(p)).chain(from(&guessed));
-            all.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
-        };
-        let fitted: Vec<Candidate> = promises.par_iter().filter_map(fit).collect();
-        let first = self.tried.len();
-        self.tried.extend(fitted);
-        let indices: Vec<usize> = (first..self.tried.len()).collect();
+        let cards = addable(base.model.as_ref(), &self.models.seen, &self.admitted);
+        let alone = |c: &EffectCard| self.tried.iter().any(|t| t.effects == std::slice::from_ref(&c.id));
+        let again = |c: &EffectCard| simpler_along(c).is_some();
+        let others = cards.iter().filter(|&c| again(c) || !alone(c));
+        let (first, rest): (Vec<_>, Vec<_>) = others.partition(|&c| again(c) || has_two_magnitudes(c));
+        let mut indices = self.repeating(best, &cards);
+        for wave in [first, rest] {
+            if indices.iter().any(|&i| self.models.is_settled(&self.tried[i], &self.tried[0])) {
+                break;
+            }
+            self.say_fitted(wave.iter().map(|c| vec![c.id.clone()]).collect());
+            let (models, base) = (&self.models, &self.tried[0]);
+            let fit = |c: &&EffectCard| models.with_one_more(base, &c.id);
+            let fitted: Vec<Candidate> = wave.par_iter().filter_map(fit).collect();
+            indices.extend(fitted.into_iter().map(|fitted| self.kept(fitted)));
+        }
         self.best_of(&indices, best)
+    }
+
+    /// Fits a set of several with each law that repeats along the screw in the place of the simpler one that the set has;
+    /// the indices.
+    fn repeating(&mut self, set: usize, cards: &[EffectCard]) -> Vec<usize> {
+        let near = &self.tried[set];
+        if near.effects.len() < 2 {
+            return Vec::new();
+        }
+        let repeating = |card: &EffectCard| {
+            let fitted = self.models.repeating(near, card)?;
+            let effects = self.set_with(&Candidate { effects: Vec::new(), ..near.clone() }, &fitted.effects);
+            Some(self.models.reordered(fitted, &effects))
+        };
+        let fitted: Vec<Candidate> = cards.iter().filter_map(repeating).collect();
+        fitted.into_iter().map(|fitted| self.kept(fitted)).collect()
     }
 
     /// Says which sets are fitted, if any are.
@@ -448,6 +463,12 @@ impl Search<'_> {
             }
         }
     }
+}
+
+/// Whether an effect has two magnitudes at least: they make up for one another, and screened in the wrong place it promises
+/// nothing.
+fn has_two_magnitudes(card: &EffectCard) -> bool {
+    card.parameters.iter().filter(|p| !p.fixed && p.scale == Scale::Logarithmic).count() >= 2
 }
 
 /// A set without one of its members.
