@@ -4,13 +4,13 @@
 //! Beside the same friction without its waves, a wave's signature is linear in its size: every period that a travel can
 //! tell from the next one is looked at, in two phases.
 
+use super::Candidate;
 use super::candidate::symbol;
 use super::nested::simpler_id;
 use super::periods::{peaks, waves_along};
 use super::policy::{PERIODS, SCREEN_STEPS_PER_SAMPLE, SLIGHT_WAVE};
 use super::refine::Models;
 use super::screen::Known;
-use super::Candidate;
 use crate::fit::Signatures;
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, SimplerAt, internal};
@@ -94,5 +94,29 @@ impl Models<'_> {
         best.truncate(PERIODS as usize);
         let fitted: Vec<Candidate> = best.into_par_iter().filter_map(from).collect();
         fitted.into_iter().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy::Toy;
+    use sealegs_model::{Excitation, Model, Parameter, SimplerLaw};
+
+    #[test]
+    fn a_law_repeats_along_the_screw_if_it_has_a_period_and_becomes_another_one_without_its_share() {
+        let becomes = Some(SimplerLaw { id: "plain", departure: 1, at: SimplerAt::Zero, beside: None });
+        let names = ["force_n", "share", "period_m", "place_m"];
+        let mut card = EffectCard {
+            id: "knee/wavy".to_owned(),
+            parameters: names.map(|name| Parameter::new(name, "", 1.0, 0.0, 2.0)).to_vec(),
+            becomes,
+            ..Toy::new().effects(&Excitation::default()).remove(0)
+        };
+        let law = Repeating::of(&card).expect("it repeats");
+        assert_eq!((law.simple.as_str(), law.size, law.share), ("knee/plain", 0, 1));
+        assert_eq!((law.period, law.place), (2, 3));
+        card.parameters.truncate(2);
+        assert!(Repeating::of(&card).is_none());
     }
 }

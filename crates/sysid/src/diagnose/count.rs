@@ -169,7 +169,8 @@ pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &
         };
         counts.into_iter().map(with).collect()
     };
-    let best_first = |tried: &[(usize, Vec<f64>)]| looks(&excerpt, &near, seen, std::slice::from_ref(card), tried);
+    let best_first =
+        |tried: &[(usize, Vec<f64>)]| looks(&excerpt, &near, seen, std::slice::from_ref(card), tried);
     // Counts toward zero hold back as friction does, which tells about how many there are.
     let truncated = best_first(&with(apart_by(TRUNCATED_RATIO, FEWEST_COUNTS, MOST_COUNTS), false));
     let residuals: usize = near.fit.evaluation.blocks.iter().map(|b| b.residual.len()).sum();

@@ -208,6 +208,18 @@ mod tests {
     }
 
     #[test]
+    fn waves_are_a_quarter_apart_between_the_extreme_starts() {
+        let mut period = Parameter::new("period_m", "m", 0.02, 0.001, 1.0);
+        period.starts = vec![0.01, 0.08];
+        let (travel, waves) = waves_along([0.1, 0.02, 0.14].into_iter(), &period).expect("it moves");
+        assert!((travel - 0.12).abs() < 1e-15);
+        assert_eq!(waves.first().copied(), Some(travel / 0.08));
+        assert!((0.12 / 0.01..0.12 / 0.01 + 0.25).contains(waves.last().expect("some")));
+        assert!(waves.windows(2).all(|w| (w[1] - w[0] - 0.25).abs() < 1e-12));
+        assert!(waves_along([0.1, 0.1].into_iter(), &period).is_none());
+    }
+
+    #[test]
     fn analytic_peaks_are_local_maxima_with_the_greatest_first() {
         assert_eq!(peaks(&[3.0, 1.0, 2.0, 5.0, 4.0, 4.5]), [3, 5, 0]);
     }

@@ -146,6 +146,8 @@ impl Search<'_> {
             if !clearly_better(simple, richer, floor) || self.is_unseen(simple, richer) {
                 tied.retain(|&i| i != index);
                 tied.push(chosen);
+                // Beside another law that contains it, the simpler one is that law twice.
+                let index = self.pruned(index);
                 return self.simplified(index, tied);
             }
         }

@@ -1,7 +1,6 @@
 //! The search for the smallest set of effects that explains the fit runs: sets grow by screening, the promising ones are
 //! fitted, members leave again, and rivals of each member are tried.
 
-use super::along::simpler_along;
 use super::compare::{clearly_better, excess, is_beyond_chance};
 use super::policy::{
     AT_FLOOR, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST, OPEN_LOOP_WORTH,
@@ -22,7 +21,7 @@ const RIVALS: usize = 3;
 /// Effects of the screening in open loop that are fitted.
 const OPEN_LOOP: usize = 4;
 
-/// Members of a set beyond which every effect is fitted alone first.
+/// Members of a set beyond which what is screened badly is fitted alone first.
 const PAIR: usize = 2;
 
 /// Why a set grows no further.
@@ -62,20 +61,26 @@ pub(super) struct Search<'a> {
 
 impl Search<'_> {
     /// Grows, exchanges and prunes from the base model (`tried[0]`); the index of the best set. Before a pair grows further
-    /// every effect that was not fitted alone is: one that is screened badly explains what three others do not.
+    /// what is screened badly is fitted alone: it may explain what three others do not.
     pub fn run(&mut self) -> usize {
         let (mut best, mut ended) = self.grown_from(0, PAIR);
         if ended != Ended::AtLast {
-            let other = self.others_alone(best);
+            let other = self.screened_badly(best);
             if other != best {
                 self.fit_from_every_start(other, 0);
             }
             if other != best || ended == Ended::AtMost {
-                (best, ended) = self.grown_from(other, MOST_EFFECTS as usize);
+                // Another law of the same kind is a simpler explanation than a third effect.
+                let alone = other == best && !self.models.dear;
+                let rival = if alone { self.exchanged(best) } else { other };
+                (best, ended) = self.grown_from(rival, MOST_EFFECTS as usize);
             }
         }
-        if ended == Ended::AtLast || self.is_long() {
+        if self.is_long() || (ended == Ended::AtLast && self.models.dear) {
             return best;
+        }
+        if ended == Ended::AtLast {
+            return self.pruned(best);
         }
         for _ in 0..ROUNDS {
             let before = best;
@@ -136,46 +141,42 @@ impl Search<'_> {
             && after > (1.0 - WORTH_NAMING) * before
     }
 
-    /// Where the best set leaves something, every effect that was not fitted alone is, from all that [`Models::with_one_more`]
-    /// starts from: those first that are screened badly, and no other ones where one of these explains everything. The index
-    /// of the best one if it is clearly better than the best set.
-    fn others_alone(&mut self, best: usize) -> usize {
+    /// Where the best set leaves something, fits what is screened badly: laws that repeat along the screw, and each effect of
+    /// two magnitudes that was not fitted alone. The index of the best one if it is clearly better than the best set.
+    fn screened_badly(&mut self, best: usize) -> usize {
         let base = &self.tried[0];
         if self.models.dear || self.is_long() || self.models.is_settled(&self.tried[best], base) {
             return best;
         }
-        let cards = addable(base.model.as_ref(), &self.models.seen, &self.admitted);
-        let alone = |c: &EffectCard| self.tried.iter().any(|t| t.effects == std::slice::from_ref(&c.id));
-        let again = |c: &EffectCard| simpler_along(c).is_some();
-        let others = cards.iter().filter(|&c| again(c) || !alone(c));
-        let (first, rest): (Vec<_>, Vec<_>) = others.partition(|&c| again(c) || has_two_magnitudes(c));
+        let mut cards = addable(base.model.as_ref(), &self.models.seen, &self.admitted);
         let mut indices = self.repeating(best, &cards);
-        for wave in [first, rest] {
-            if indices.iter().any(|&i| self.models.is_settled(&self.tried[i], &self.tried[0])) {
-                break;
-            }
-            self.say_fitted(wave.iter().map(|c| vec![c.id.clone()]).collect());
+        if !indices.iter().any(|&i| self.models.is_settled(&self.tried[i], &self.tried[0])) {
+            let alone = |id: &String| self.tried.iter().any(|t| t.effects == std::slice::from_ref(id));
+            cards.retain(|c| has_two_magnitudes(c) && !alone(&c.id));
+            self.say_fitted(cards.iter().map(|c| vec![c.id.clone()]).collect());
             let (models, base) = (&self.models, &self.tried[0]);
-            let fit = |c: &&EffectCard| models.with_one_more(base, &c.id);
-            let fitted: Vec<Candidate> = wave.par_iter().filter_map(fit).collect();
+            let fit = |c: &EffectCard| models.with_one_more(base, &c.id);
+            let fitted: Vec<Candidate> = cards.par_iter().filter_map(fit).collect();
             indices.extend(fitted.into_iter().map(|fitted| self.kept(fitted)));
         }
         self.best_of(&indices, best)
     }
 
-    /// Fits a set of several with each law that repeats along the screw in the place of the simpler one that the set has;
-    /// the indices.
-    fn repeating(&mut self, set: usize, cards: &[EffectCard]) -> Vec<usize> {
-        let near = &self.tried[set];
-        if near.effects.len() < 2 {
-            return Vec::new();
-        }
-        let repeating = |card: &EffectCard| {
+    /// Fits laws that repeat along the screw in the place of the simpler ones that they become: of the best set, and of each
+    /// one alone that takes a good part of what that takes; the indices.
+    fn repeating(&mut self, best: usize, cards: &[EffectCard]) -> Vec<usize> {
+        let takes = |i: usize| self.tried[0].fit.cost - self.tried[i].fit.cost;
+        let leads =
+            |i: usize| i == best || (self.tried[i].effects.len() == 1 && takes(i) > SCATTERED * takes(best));
+        let leaders: Vec<usize> = (1..self.tried.len()).filter(|&i| leads(i)).collect();
+        let with = |card: &EffectCard, near: &Candidate| {
             let fitted = self.models.repeating(near, card)?;
-            let effects = self.set_with(&Candidate { effects: Vec::new(), ..near.clone() }, &fitted.effects);
+            let none = Candidate { effects: Vec::new(), ..near.clone() };
+            let effects = self.set_with(&none, &fitted.effects);
             Some(self.models.reordered(fitted, &effects))
         };
-        let fitted: Vec<Candidate> = cards.iter().filter_map(repeating).collect();
+        let all = leaders.iter().flat_map(|&i| cards.iter().map(move |card| (i, card)));
+        let fitted: Vec<Candidate> = all.filter_map(|(i, card)| with(card, &self.tried[i])).collect();
         fitted.into_iter().map(|fitted| self.kept(fitted)).collect()
     }
 
@@ -377,7 +378,7 @@ impl Search<'_> {
     }
 
     /// Lets members leave, the least useful first, as long as the rest is not clearly worse.
-    fn pruned(&mut self, mut best: usize) -> usize {
+    pub fn pruned(&mut self, mut best: usize) -> usize {
         loop {
             let effects = self.tried[best].effects.clone();
             let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
