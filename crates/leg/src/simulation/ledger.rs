@@ -4,6 +4,10 @@ use super::Simulation;
 use crate::dynamics::coupling::ActuatorPower;
 use nalgebra::DVector;
 
+/// Height, m, over which the weight of all bodies does as much work as the energy in motion is taken to be at least: where
+/// nothing moves, as a hand that hangs straight down, a residual is rounding and compares with nothing.
+const AT_REST_M: f64 = 1e-6;
+
 impl Simulation {
     /// What of a sample is known before the step: poses and positions.
     pub(super) fn begin_sample(&mut self, time_s: f64) -> (DVector<f64>, nalgebra::DMatrix<f64>, f64) {
@@ -26,6 +30,7 @@ impl Simulation {
         if self.steps == 0 {
             e.initial_j = total;
             self.initial_potential_j = potential_j;
+            e.turnover_j = AT_REST_M * self.engine.weight();
         }
         e.residual_j = total - e.initial_j - e.work_j();
         let moving = e.kinetic_j + e.spring_j + (self.initial_potential_j - potential_j).abs();

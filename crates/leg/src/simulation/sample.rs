@@ -106,7 +106,7 @@ pub struct EnergyBalance {
     /// What does not add up: energy now minus energy at the start minus all works.
     pub residual_j: f64,
     /// The greatest energy in motion so far (kinetic, springs, and height lost), to which the residual
-    /// compares.
+    /// compares; at least the work of all weight over a micrometre.
     pub turnover_j: f64,
 }
 

@@ -43,6 +43,11 @@ impl Engine {
         self.states.iter().zip(&self.mass_kg).map(|(s, m)| -m * self.gravity.z * s.com.z).sum()
     }
 
+    /// Weight of all bodies, N.
+    pub fn weight(&self) -> f64 {
+        self.mass_kg.iter().sum::<f64>() * self.gravity.z.abs()
+    }
+
     /// Generalised force of gravity at the present poses, in the engine's order.
     pub fn gravity_forces(&self) -> DVector<f64> {
         let mut forces = DVector::zeros(self.coordinates());
