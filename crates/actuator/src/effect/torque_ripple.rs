@@ -18,10 +18,7 @@ impl Effect for TorqueRipple {
                 Parameter { typical: 0.02, ..Parameter::new("cycles_per_rev", "", 7.0, 0.5, 100.0) },
                 (1..=48).map(f64::from),
             ),
-            with_starts(
-                Parameter { typical: 0.3, ..Parameter::new("phase_rad", "rad", 0.0, -TURN, TURN) },
-                [0.5 * std::f64::consts::PI],
-            ),
+            Parameter { typical: 0.3, ..Parameter::new("phase_rad", "rad", 0.0, -TURN, TURN) },
         ];
         EffectCard {
             id: "torque-ripple".to_owned(),

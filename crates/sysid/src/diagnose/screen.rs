@@ -14,6 +14,7 @@ use crate::data::Data;
 use crate::fit::Signatures;
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Excitation, Model, Parameter, Prediction, Scale};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Signatures that are taken together in the first look: bounds the memory that they need.
 const TOGETHER: usize = 8;
@@ -143,25 +144,86 @@ pub(super) fn looks(
     let Ok(unchanged) = data.predict_outputs(base.0, base.1) else { return Vec::new() };
     let mut looks: Vec<Look> = Vec::new();
     for chunk in jobs.chunks(TOGETHER) {
-        let predicted: Vec<_> =
-            chunk.par_iter().map(|(c, start)| changed(data, base, seen, &cards[*c], start)).collect();
-        let there: Vec<usize> = (0..chunk.len()).filter(|&i| predicted[i].is_some()).collect();
+        // A wave is looked at in both of its phases: alone neither tells much of a wave between them.
+        let starts: Vec<(usize, Vec<f64>)> = chunk
+            .iter()
+            .enumerate()
+            .flat_map(|(job, (c, start))| {
+                let quarter = quarter_later(&cards[*c].parameters, start);
+                std::iter::once(start.clone()).chain(quarter).map(move |start| (job, start))
+            })
+            .collect();
+        let predicted: Vec<_> = starts
+            .par_iter()
+            .map(|(job, start)| changed(data, base, seen, &cards[chunk[*job].0], start))
+            .collect();
+        let there: Vec<usize> = (0..starts.len()).filter(|&i| predicted[i].is_some()).collect();
         let columns: Vec<&[Prediction]> = predicted.iter().flatten().map(Vec::as_slice).collect();
         if columns.is_empty() {
             continue;
         }
         let signatures = Signatures::new(data, &beside.fit, &unchanged, &columns);
-        for (column, &job) in there.iter().enumerate() {
-            let (card, start) = &chunk[job];
+        for (job, (card, start)) in chunk.iter().enumerate() {
+            let own: Vec<usize> = (0..there.len()).filter(|&c| starts[there[c]].0 == job).collect();
             let p = &cards[*card].parameters;
-            if let Some((amplitude, drop)) = best_amplitude(p, &signatures, column) {
-                let simulated = fall(&signatures, column, 1.0);
-                looks.push(Look { card: *card, start: scaled(p, start, amplitude, 0.0), drop, simulated });
+            match own[..] {
+                [even, odd] => {
+                    looks.extend(wave(p, &signatures, (even, odd), start).map(|(start, drop)| Look {
+                        card: *card,
+                        start,
+                        drop,
+                        simulated: drop,
+                    }))
+                }
+                [column] => {
+                    if let Some((amplitude, drop)) = best_amplitude(p, &signatures, column) {
+                        let simulated = fall(&signatures, column, 1.0);
+                        looks.push(Look {
+                            card: *card,
+                            start: scaled(p, start, amplitude, 0.0),
+                            drop,
+                            simulated,
+                        });
+                    }
+                }
+                _ => {}
             }
         }
     }
     looks.sort_by(|a, b| b.drop.total_cmp(&a.drop));
     looks
+}
+
+/// A start of an effect with a phase a quarter of a turn later; `None` of any other effect.
+fn quarter_later(parameters: &[Parameter], start: &[f64]) -> Option<Vec<f64>> {
+    let phase = parameters.iter().position(|p| p.name == PHASE && !p.fixed)?;
+    let mut later = start.to_vec();
+    later[phase] += FRAC_PI_2;
+    Some(later)
+}
+
+/// A start of an effect with a phase, as strong and in the phase that helps most, given the signatures of it and of it a quarter
+/// of a turn later; with the predicted fall of the cost.
+fn wave(
+    parameters: &[Parameter],
+    signatures: &Signatures,
+    (even, odd): (usize, usize),
+    start: &[f64],
+) -> Option<(Vec<f64>, f64)> {
+    let (drop, parts) = signatures.drop(&[even, odd]);
+    let (best, turn) = (parts[0].hypot(parts[1]), parts[1].atan2(parts[0]));
+    // What a part of the best amplitude gains is a parabola.
+    let amplitude = best.min(range(parameters).1);
+    let part = amplitude / best;
+    let drop = drop * part * (2.0 - part);
+    (drop.is_finite() && amplitude > 0.0).then(|| {
+        let mut best = scaled(parameters, start, amplitude, 0.0);
+        for (value, p) in best.iter_mut().zip(parameters).filter(|(_, p)| p.name == PHASE) {
+            let turned = *value + turn;
+            *value = turned - TAU * ((turned - p.min) / TAU).floor();
+        }
+        (best, drop)
+    })
 }
 
 /// Looks at the best starts of all effects again, as strong as they promised to be, and regresses them together.
