@@ -1,5 +1,5 @@
-//! What a set leaves of a fit run when it is fitted to the others: where something stays that no set explains, a law that
-//! only takes what is peculiar to one run leaves again.
+//! What a set leaves of a fit run when it is fitted to the others, of a single run of a part of it: where something stays that no
+//! set explains, a law that only takes what is peculiar to one run leaves again.
 
 use super::nested::simpler_id;
 use super::policy::{EXPLAINED, FOLDS, STEPS_PER_SAMPLE, TIED_COST};
@@ -10,24 +10,43 @@ use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, DataRun};
 use crate::fit;
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// Some fit runs, and the others.
+/// Some fit runs, and the others; or a part of a single run, and the rest of it.
 struct Fold<'a> {
     rest: Data<'a>,
     left_out: Data<'a>,
 }
 
-/// The fit runs in parts, each of which is left out once; none of a single run.
+/// The fit runs in parts, each of which is left out once; a single run in parts of equal length.
 fn folds<'a>(data: &Data<'a>) -> Vec<Fold<'a>> {
-    let parts = data.runs.len().min(FOLDS as usize);
-    let with = |runs: Vec<DataRun<'a>>| Data::from_parts(data.channels.clone(), runs, data.floor);
-    let fold = |part: usize| {
-        let numbered = data.runs.iter().cloned().enumerate();
-        let (left_out, rest): (Vec<_>, Vec<_>) = numbered.partition(|(i, _)| i % parts == part);
-        let runs = |numbered: Vec<(usize, DataRun<'a>)>| numbered.into_iter().map(|(_, run)| run).collect();
-        Fold { rest: with(runs(rest)), left_out: with(runs(left_out)) }
+    let one = data.runs.len() == 1;
+    let parts = if one { FOLDS as usize } else { data.runs.len().min(FOLDS as usize) };
+    let part_of =
+        |run: usize, row: usize, rows: usize| if one { parts * row / rows.max(1) } else { run % parts };
+    let of_part = |is_of: &dyn Fn(usize) -> bool| {
+        let runs = data.runs.iter().enumerate().filter_map(|(number, run)| {
+            let (rows, total) = (run.rows().enumerate(), run.scored_rows());
+            let kept = rows.filter(|(row, _)| is_of(part_of(number, *row, total)));
+            let scored = stretches(kept.map(|(_, index)| index));
+            (!scored.is_empty()).then(|| DataRun { scored, ..run.clone() })
+        });
+        Data::from_parts(data.channels.clone(), runs.collect(), data.floor)
     };
-    if parts < 2 { Vec::new() } else { (0..parts).map(fold).collect() }
+    let fold = |part: usize| Fold { rest: of_part(&|of| of != part), left_out: of_part(&|of| of == part) };
+    (0..parts).map(fold).collect()
+}
+
+/// Ascending rows as ranges.
+fn stretches(rows: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
+    let mut all: Vec<Range<usize>> = Vec::new();
+    for row in rows {
+        match all.last_mut() {
+            Some(last) if last.end == row => last.end += 1,
+            _ => all.push(row..row + 1),
+        }
+    }
+    all
 }
 
 impl Models<'_> {
@@ -59,7 +78,7 @@ impl Search<'_> {
     /// judge. Not on a leg, where a simulation is dear.
     pub(super) fn holding_up(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
         let folds = folds(self.models.data);
-        if self.models.dear || !self.leaves_something(chosen) || folds.is_empty() {
+        if self.models.dear || !self.leaves_something(chosen) {
             return chosen;
         }
         let left = |search: &Self, i: usize| {
@@ -118,7 +137,7 @@ impl Search<'_> {
         }
         let folds = folds(self.models.data);
         let left = |i: usize| self.models.left_of_others(&self.tried[i], &folds);
-        folds.is_empty() || left(more) < left(fewer)
+        left(more) < left(fewer)
     }
 
     /// Sets like one with fewer effects or fewer parameters, fitted now if they were not.
@@ -187,6 +206,21 @@ mod tests {
             let at = fit(&data, model.as_ref(), &FitOptions::default()).expect("a fit");
             models.left_of_others(&Candidate::exactly(&data, effects.to_vec(), model, at), &folds)
         })
+    }
+
+    #[test]
+    fn a_single_run_is_left_out_in_parts_that_make_it_up() {
+        let record = run(&[1.0, 4.0, 400.0], 400, 1, (0.1, 1e-4), (1.0, 0.0), 1.0);
+        let campaign = campaign(vec![(Role::Fit, record)], (0.1, 1e-4));
+        let data = Data::new(&campaign, Some(Role::Fit), &Toy::new()).expect("a fit run");
+        let folds = folds(&data);
+        let rows = |data: &Data| -> Vec<usize> { data.runs[0].rows().collect() };
+        let left_out: Vec<usize> = folds.iter().flat_map(|fold| rows(&fold.left_out)).collect();
+        assert_eq!((folds.len(), left_out), (3, rows(&data)));
+        assert!(
+            folds.iter().all(|fold| rows(&fold.rest).len() + rows(&fold.left_out).len() == rows(&data).len())
+        );
+        assert_eq!(folds[1].rest.runs[0].scored.len(), 2);
     }
 
     #[test]

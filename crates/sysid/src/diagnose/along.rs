@@ -67,12 +67,11 @@ impl Models<'_> {
             let values: Vec<f64> = before.iter().copied().chain(own).collect();
             self.data.predict_outputs(model.as_ref(), &values).ok()
         };
-        // By how much the cost falls, and the wave's even and odd parts.
+        // By how much the cost falls, and with which wave.
         let look = |waves: &f64| {
             let both = [with_wave(travel / waves, 0.0)?, with_wave(travel / waves, 0.25)?];
             let signatures = Signatures::new(self.data, &near.fit, &unchanged, &[&both[0], &both[1]]);
-            let (drop, parts) = signatures.drop(&[0, 1]);
-            drop.is_finite().then(|| (drop, parts[0], parts[1]))
+            Some(signatures.wave(0, 1)).filter(|wave| wave.0.is_finite())
         };
         let looks: Vec<(f64, f64, f64)> = waves.par_iter().map(|w| look(w).unwrap_or_default()).collect();
         let drops: Vec<f64> = looks.iter().map(|look| look.0).collect();
@@ -80,13 +79,13 @@ impl Models<'_> {
             near.effects.iter().map(|e| if *e == law.simple { card.id.clone() } else { e.clone() }).collect();
         let named = |at: usize, value: f64| (format!("{}.{}", card.id, card.parameters[at].name), value);
         let from = |i: usize| {
-            let (period, (_, even, odd)) = (travel / waves[i], looks[i]);
+            let (period, (_, amplitude, phase)) = (travel / waves[i], looks[i]);
             let most = card.parameters[law.share].max;
             let start: Known = vec![
                 named(law.size, size),
-                named(law.share, (slight * even.hypot(odd) / size).min(most)),
+                named(law.share, (slight * amplitude / size).min(most)),
                 named(law.period, period),
-                named(law.place, odd.atan2(even) / TAU * period),
+                named(law.place, phase / TAU * period),
             ];
             self.fitted_near(near, &effects, &known.iter().cloned().chain(start).collect())
         };

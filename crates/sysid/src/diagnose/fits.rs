@@ -9,7 +9,7 @@ use super::screen::{Known, Plan};
 use super::search::{Observed, Search};
 use crate::fit::{EQUAL_COST, Fit};
 use rayon::prelude::*;
-use sealegs_model::Scale;
+use sealegs_model::{Parameter, Scale};
 
 impl Search<'_> {
     /// Fits plans beside a set that were not fitted yet, first under the observer, then the best of them in open loop; the
@@ -127,14 +127,12 @@ impl Search<'_> {
     }
 
     /// Fits a set again, as [`Models::grown`] from the one that it grew from, where it leaves something: what rests at the
-    /// wrong values misleads all that is added to it. Or where two magnitudes of an effect were added: they make up for one
-    /// another, and a fit rests anywhere along that.
+    /// wrong values misleads all that is added to it. Or where two magnitudes of an effect were added.
     pub(super) fn fit_from_every_start(&mut self, index: usize, from: usize) {
         let (set, near) = (&self.tried[index], &self.tried[from]);
         let own = near.model.parameters().len();
-        let magnitudes =
-            set.model.parameters().iter().skip(own).filter(|p| !p.fixed && p.scale == Scale::Logarithmic);
-        let settled = magnitudes.count() < 2 && self.models.is_settled(set, &self.tried[0]);
+        let added = set.model.parameters().get(own..).unwrap_or_default();
+        let settled = !has_two_magnitudes(added) && self.models.is_settled(set, &self.tried[0]);
         if self.models.dear || self.is_long() || settled {
             return;
         }
@@ -146,6 +144,12 @@ impl Search<'_> {
             self.tried[index] = self.models.reordered(again, &effects);
         }
     }
+}
+
+/// Whether there are two magnitudes at least: they make up for one another, so that a fit rests anywhere along that, and an effect
+/// that is screened in the wrong place promises nothing.
+pub(super) fn has_two_magnitudes(parameters: &[Parameter]) -> bool {
+    parameters.iter().filter(|p| !p.fixed && p.scale == Scale::Logarithmic).count() >= 2
 }
 
 /// Fits the lowest of some candidates on (see [`Models::finished`]).

@@ -17,15 +17,16 @@ impl Models<'_> {
         effects.push(effect.to_owned());
         let known = near.known();
         let beside = self.observing(near, &with_nominal_base(self.exact, &known));
-        let looks = [beside.as_ref(), Some(near)].into_iter().flatten();
-        let starts =
-            looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
-        let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
         let in_its_place = cards.first().and_then(|card| {
             let simple = simpler_along(card).filter(|simple| !near.effects.contains(simple))?;
             let beside = self.with_one_more(near, &simple)?;
             self.repeating(&beside, card)
         });
+        // Every period was looked at there.
+        let looks = [beside.as_ref(), Some(near)].into_iter().flatten().filter(|_| in_its_place.is_none());
+        let starts =
+            looks.flat_map(|beside| screen(self.data, beside, &self.seen, &cards, STARTS as usize).promises);
+        let starts: Vec<Known> = starts.map(|p| p.start).chain([Vec::new()]).collect();
         let fitted = starts.into_iter().filter_map(|start| {
             let known: Known = known.iter().cloned().chain(start).collect();
             let observed = beside.as_ref().and_then(|beside| {

@@ -14,6 +14,7 @@ mod candidate;
 mod compare;
 mod conventions;
 mod count;
+mod counting;
 mod curves;
 mod dependence;
 mod excitations;

@@ -160,8 +160,8 @@ policy! {
     FARTHEST = 3.0;
     /// Least share of the value that was simulated with which a fit starts: closer to nothing a search would not leave it.
     NEAREST = 0.2;
-    /// Share of what a set leaves above the floor that those found under the observer must all leave for a look in open loop
-    /// where a simulation is dear: with half of it taken the next round has less beside it to hide what it looks for.
+    /// Share of what a set leaves above the floor that those found under the observer must all leave for a look in open loop:
+    /// with half of it taken the next round has less beside it to hide what it looks for.
     OPEN_LOOP_WORTH = 0.5;
     /// Share of the mean square that the base model leaves below which a set leaves a trace only: other sets are then
     /// fitted as rivals of it and no more.

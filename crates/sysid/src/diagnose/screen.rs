@@ -9,7 +9,7 @@ use super::policy::{
     ANYHOW, FARTHEST, HALF_AS_STRONG, LOOKS, LOOKS_ALIKE, NEAREST, PAIR_WORTH, PAIRED, PROMISE_HELD,
     PROMISE_KEPT, PROMISES_LITTLE, SCREEN_STEPS_PER_SAMPLE, SHORTLIST, SHORTLIST_PAIRS,
 };
-use super::{Candidate, count, periods};
+use super::{Candidate, count, counting, periods};
 use crate::data::Data;
 use crate::fit::Signatures;
 use rayon::prelude::*;
@@ -112,7 +112,7 @@ pub fn screen(
         let resonates = card.parameters.iter().any(|p| p.name == periods::RESONANCE);
         let most = if card.is_periodic() || (resonates && !dear) { usize::MAX } else { starts };
         jobs.extend(combinations(&card.parameters, most).into_iter().map(|s| (c, s)));
-        jobs.extend(count::starts(data, beside, seen, card).into_iter().map(|s| (c, s)));
+        jobs.extend(counting::starts(data, beside, seen, card).into_iter().map(|s| (c, s)));
     }
     let looks = looks(data, beside, seen, &cards, &jobs);
     together(data, beside, seen, &cards, looks)
@@ -166,28 +166,16 @@ pub(super) fn looks(
         for (job, (card, start)) in chunk.iter().enumerate() {
             let own: Vec<usize> = (0..there.len()).filter(|&c| starts[there[c]].0 == job).collect();
             let p = &cards[*card].parameters;
-            match own[..] {
+            let found = match own[..] {
                 [even, odd] => {
-                    looks.extend(wave(p, &signatures, (even, odd), start).map(|(start, drop)| Look {
-                        card: *card,
-                        start,
-                        drop,
-                        simulated: drop,
-                    }))
+                    wave(p, &signatures, (even, odd), start).map(|(start, drop)| (start, drop, drop))
                 }
-                [column] => {
-                    if let Some((amplitude, drop)) = best_amplitude(p, &signatures, column) {
-                        let simulated = fall(&signatures, column, 1.0);
-                        looks.push(Look {
-                            card: *card,
-                            start: scaled(p, start, amplitude, 0.0),
-                            drop,
-                            simulated,
-                        });
-                    }
-                }
-                _ => {}
-            }
+                [column] => best_amplitude(p, &signatures, column).map(|(amplitude, drop)| {
+                    (scaled(p, start, amplitude, 0.0), drop, fall(&signatures, column, 1.0))
+                }),
+                _ => None,
+            };
+            looks.extend(found.map(|(start, drop, simulated)| Look { card: *card, start, drop, simulated }));
         }
     }
     looks.sort_by(|a, b| b.drop.total_cmp(&a.drop));
@@ -210,8 +198,7 @@ fn wave(
     (even, odd): (usize, usize),
     start: &[f64],
 ) -> Option<(Vec<f64>, f64)> {
-    let (drop, parts) = signatures.drop(&[even, odd]);
-    let (best, turn) = (parts[0].hypot(parts[1]), parts[1].atan2(parts[0]));
+    let (drop, best, turn) = signatures.wave(even, odd);
     // What a part of the best amplitude gains is a parabola.
     let amplitude = best.min(range(parameters).1);
     let part = amplitude / best;

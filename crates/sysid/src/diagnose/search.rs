@@ -2,15 +2,16 @@
 //! fitted, members leave again, and rivals of each member are tried.
 
 use super::compare::{clearly_better, excess, is_beyond_chance};
+use super::fits::has_two_magnitudes;
 use super::policy::{
     AT_FLOOR, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST, OPEN_LOOP_WORTH,
-    SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
+    RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
 };
 use super::refine::{Models, with_nominal_base};
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
 use super::{Candidate, Progress};
 use rayon::prelude::*;
-use sealegs_model::{EffectCard, Scale, internal};
+use sealegs_model::{EffectCard, internal};
 
 /// Times that members are exchanged and taken out in turn.
 const ROUNDS: usize = 2;
@@ -152,7 +153,7 @@ impl Search<'_> {
         let mut indices = self.repeating(best, &cards);
         if !indices.iter().any(|&i| self.models.is_settled(&self.tried[i], &self.tried[0])) {
             let alone = |id: &String| self.tried.iter().any(|t| t.effects == std::slice::from_ref(id));
-            cards.retain(|c| has_two_magnitudes(c) && !alone(&c.id));
+            cards.retain(|c| has_two_magnitudes(&c.parameters) && !alone(&c.id));
             self.say_fitted(cards.iter().map(|c| vec![c.id.clone()]).collect());
             let (models, base) = (&self.models, &self.tried[0]);
             let fit = |c: &EffectCard| models.with_one_more(base, &c.id);
@@ -201,7 +202,7 @@ impl Search<'_> {
         let much = OPEN_LOOP_WORTH * excess(self.tried[from].fit.error(), floor);
         let unexplained = |i: usize| {
             let error = self.tried[i].fit.error();
-            error > NEAR_FLOOR * floor && !(self.models.dear && excess(error, floor) < much)
+            error > NEAR_FLOOR * floor && excess(error, floor) >= much
         };
         let unexplained = fitted.iter().all(|&i| unexplained(i));
         if let Some(beside) = beside.as_ref().filter(|_| unexplained && !self.is_long()) {
@@ -420,14 +421,18 @@ impl Search<'_> {
                 .promises
                 .iter()
                 .filter(|p| !effects.contains(&p.effect) && p.drop > 0.0 && port(&p.effect) == port(leaving));
-            let plans: Vec<Plan> = rivals
+            let mut plans: Vec<Plan> = rivals
                 .take(RIVALS)
                 .map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() })
                 .collect();
-            if own.is_some() {
+            if let Some(own) = own {
                 let near = Candidate { effects: rest.clone(), ..self.tried[best].clone() };
+                plans.retain(|p| !self.is_beaten(&self.set_with(&near, &p.added), own));
+                if plans.is_empty() {
+                    continue;
+                }
                 let beside = self.observed_where_settled(best, &rest);
-                fitted.extend(self.fit_all(&near, beside.as_ref(), plans, own));
+                fitted.extend(self.fit_all(&near, beside.as_ref(), plans, Some(own)));
             } else if let Some(without) = self.index_of(&rest, best) {
                 let near = self.tried[without].clone();
                 let beside = self.observing(&near);
@@ -437,6 +442,12 @@ impl Search<'_> {
         let mean = |i: usize| self.mean_square(i);
         let rival = fitted.into_iter().filter(|&i| self.tried[i].effects.len() <= effects.len());
         rival.fold(best, |a, b| if mean(b) < mean(a) { b } else { a })
+    }
+
+    /// Whether a set was fitted under the observer before, and left too much there to be a rival of one of this cost.
+    fn is_beaten(&self, effects: &[String], own: f64) -> bool {
+        let costs = self.observed.iter().filter(|o| o.effects == effects).map(|o| o.cost);
+        costs.reduce(f64::min).is_some_and(|least| least > RIVAL_COST * own)
     }
 
     /// Some members of a set that explains everything, fitted under the observer: what they leave there tells what is worth a
@@ -464,12 +475,6 @@ impl Search<'_> {
             }
         }
     }
-}
-
-/// Whether an effect has two magnitudes at least: they make up for one another, and screened in the wrong place it promises
-/// nothing.
-fn has_two_magnitudes(card: &EffectCard) -> bool {
-    card.parameters.iter().filter(|p| !p.fixed && p.scale == Scale::Logarithmic).count() >= 2
 }
 
 /// A set without one of its members.

@@ -25,6 +25,8 @@ pub(super) struct Search {
     /// Forward far away; central once steps no longer keep their promise, as in a flat valley a forward
     /// difference's error is larger than the slope.
     difference: Difference,
+    /// Whether forward differences will do where the model is far from the measurements.
+    rough: bool,
     /// Columns taken last, bare and projected, for the steps of the next differences.
     last: Option<(Vec<JacobianBlock>, Vec<JacobianBlock>)>,
     /// How the last columns were taken, if here: [`Difference::Secant`] if they were taken elsewhere.
@@ -73,6 +75,12 @@ const WRONG: f64 = 1.5;
 /// See [`WRONG`].
 const RELATIVE: f64 = 1e-5;
 
+/// Above this error, in noise units, a search that compares models is content with forward differences, and with steps that
+/// gain this share of the cost: what is missing moves the values by far more.
+const FAR: f64 = 5.0;
+/// See [`FAR`].
+const RELATIVE_FAR: f64 = 1e-3;
+
 /// Steps that promise less than this, in units of the mean squared residual (at least 1), leave columns of derivatives
 /// as good as they were: 0.5 is one standard error of a parameter.
 const SMALL: f64 = 0.5;
@@ -107,6 +115,7 @@ impl Search {
             converged: coordinates.len() == 0,
             damping: 1e-3,
             difference: Difference::Forward,
+            rough: false,
             last: None,
             taken: Difference::Secant,
             thrift: None,
@@ -115,6 +124,7 @@ impl Search {
 
     /// The same search with derivatives as these options want them.
     pub fn with(mut self, options: &FitOptions) -> Self {
+        self.rough = options.difference == Difference::Forward;
         self.thrift = options.secants.then(|| Thrift {
             columns: options.columns.clone(),
             finest: options.difference,
@@ -184,6 +194,11 @@ impl Search {
         }
     }
 
+    /// Whether the model is so far from the measurements that a search needs the neighbourhood of the solution only.
+    fn is_rough(&self) -> bool {
+        self.rough && self.evaluation.rms > FAR
+    }
+
     /// Whether the last columns were taken here, and as well as this or better.
     fn is_taken(&self, how: Difference) -> bool {
         how == Difference::Secant || self.taken == Difference::Central || self.taken == how
@@ -224,6 +239,9 @@ impl Search {
         if self.evaluation.rms > WRONG {
             enough = enough.max(RELATIVE * self.cost);
         }
+        if self.is_rough() {
+            enough = enough.max(RELATIVE_FAR * self.cost);
+        }
         // A race is not won by what no longer predicts a step.
         let races = self.thrift.as_ref().is_some_and(|t| t.finest == Difference::Secant);
         if races {
@@ -261,7 +279,7 @@ impl Search {
                 }
                 // A step that kept its promise deserves more trust. Valleys that only a prior closes are
                 // a million times flatter than their walls: damping must be able to vanish.
-                let kept = gained / promised;
+                let (kept, rough) = (gained / promised, self.is_rough());
                 match &mut self.thrift {
                     Some(thrift) => {
                         // Secants that have missed a direction creep along it.
@@ -269,7 +287,7 @@ impl Search {
                         thrift.trusted = (kept > 0.5 && !creeps) || thrift.finest == Difference::Secant;
                         thrift.promised = if creeps { f64::INFINITY } else { promised };
                     }
-                    None if kept < 0.5 => self.difference = Difference::Central,
+                    None if kept < 0.5 && !rough => self.difference = Difference::Central,
                     None => {}
                 }
                 self.damping *= match kept {
@@ -299,7 +317,7 @@ impl Search {
             }
             Some(_) => self.converged = true,
             None => {
-                self.converged = self.difference == Difference::Central;
+                self.converged = self.is_rough() || self.difference == Difference::Central;
                 self.difference = Difference::Central;
             }
         }

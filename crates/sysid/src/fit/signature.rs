@@ -102,6 +102,14 @@ impl Signatures {
         }
     }
 
+    /// By how much the cost would fall with the best wave of which two signatures are an even and an odd part (it, and it a quarter
+    /// of a turn later); its amplitude, and its phase, rad.
+    #[must_use]
+    pub fn wave(&self, even: usize, odd: usize) -> (f64, f64, f64) {
+        let (drop, parts) = self.drop(&[even, odd]);
+        (drop, parts[0].hypot(parts[1]), parts[1].atan2(parts[0]))
+    }
+
     /// How alike two signatures are after projection: 1 or -1 where one does what the other does.
     #[must_use]
     pub fn cosine(&self, a: usize, b: usize) -> f64 {
