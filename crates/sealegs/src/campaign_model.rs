@@ -2,7 +2,7 @@
 
 use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::provenance::{Input, Provenance};
-use crate::{ModelSource, Result, bench_model, leg_model, robot_model};
+use crate::{Error, ModelSource, Result, bench_model, leg_model, robot_model};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::SensorSpec;
 use sealegs_model::Model;
@@ -89,6 +89,23 @@ pub fn of_source(
     let seen: &dyn Model = model.as_ref();
     campaign.check_against(seen)?;
     Ok(model)
+}
+
+/// Refuses a run with an input column that commands nothing; `reason` says why, of a run's record and a channel.
+///
+/// # Errors
+///
+/// [`Error::RefusedInput`] for the first of them.
+pub(crate) fn check_inputs(campaign: &Campaign, reason: impl Fn(&str, &str) -> Option<String>) -> Result<()> {
+    for run in &campaign.runs {
+        for input in &run.record.inputs {
+            if let Some(reason) = reason(&run.record.name, &input.channel) {
+                let (file, channel) = (run.path.clone(), input.channel.clone());
+                return Err(Error::RefusedInput { file, channel, reason });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Whether the model file with this provenance was fitted to one of the campaign's fit runs.

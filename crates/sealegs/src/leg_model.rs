@@ -1,6 +1,8 @@
 //! The model of a campaign that was recorded on a leg: its scenario, or another scenario file, and its runs' own.
 
-use crate::campaign_model::{CampaignModel, note_down, note_sensors, notes_of, was_fitted_here};
+use crate::campaign_model::{
+    CampaignModel, check_inputs, note_down, note_sensors, notes_of, was_fitted_here,
+};
 use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
@@ -71,14 +73,7 @@ pub fn of_source(
         }
     }
     let model = LegModel::new(scenario, &nominal, runs, own)?;
-    for run in &campaign.runs {
-        for input in &run.record.inputs {
-            if let Some(reason) = model.refuses_input(&run.record.name, &input.channel) {
-                let (file, channel) = (run.path.clone(), input.channel.clone());
-                return Err(Error::RefusedInput { file, channel, reason });
-            }
-        }
-    }
+    check_inputs(campaign, |record, channel| model.refuses_input(record, channel))?;
     for (channel, sensor) in model.sensors() {
         campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
     }

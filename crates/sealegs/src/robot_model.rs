@@ -1,6 +1,8 @@
 //! The model of a campaign that was recorded on a robot with torque drives: its URDF and drives, or its own model file.
 
-use crate::campaign_model::{CampaignModel, note_down, note_sensors, notes_of, was_fitted_here};
+use crate::campaign_model::{
+    CampaignModel, check_inputs, note_down, note_sensors, notes_of, was_fitted_here,
+};
 use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
@@ -91,14 +93,7 @@ pub fn of_source(
     };
     let model =
         RobotModel::new(file, own).map_err(|e| Error::RobotFile { file: named, source: Box::new(e) })?;
-    for run in &campaign.runs {
-        for input in &run.record.inputs {
-            if let Some(reason) = model.refuses_input(&input.channel) {
-                let (file, channel) = (run.path.clone(), input.channel.clone());
-                return Err(Error::RefusedInput { file, channel, reason });
-            }
-        }
-    }
+    check_inputs(campaign, |_, channel| model.refuses_input(channel))?;
     for (channel, sensor) in model.sensors() {
         campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
     }

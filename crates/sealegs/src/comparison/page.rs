@@ -113,9 +113,7 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
         (false, _) => (Tone::Bad, "Something is missing"),
     };
     reasons.extend(off);
-    let base = &summary.base.parameters;
-    let first: Vec<String> = bounds::sentence(base).into_iter().chain(bounds::advice(base)).collect();
-    reasons.splice(0..0, first);
+    reasons.splice(0..0, bounds::reason(&summary.base.parameters));
     let answer = Answer { headline: &headline, values: &values, certainty, reasons: &reasons };
     let bars = bars(&summary.missing_signals);
     let models = fails::Models { before: AS_GIVEN, after: REFITTED };

@@ -41,8 +41,7 @@ pub fn sentence(parameters: &[ParameterValue]) -> Option<String> {
 }
 
 /// What to put into the actuator file, in a sentence.
-#[must_use]
-pub fn advice(parameters: &[ParameterValue]) -> Option<String> {
+fn advice(parameters: &[ParameterValue]) -> Option<String> {
     let (p, nominal) = of(parameters).next()?;
     Some(format!(
         "In the actuator file, under [parameters.{}]: value = {nominal:?} and tolerance = 0.1 (one standard deviation, as a ratio) \
@@ -51,6 +50,12 @@ pub fn advice(parameters: &[ParameterValue]) -> Option<String> {
         0.01 * nominal,
         100.0 * nominal
     ))
+}
+
+/// Both in one: a reason not to be sure.
+#[must_use]
+pub fn reason(parameters: &[ParameterValue]) -> Option<String> {
+    Some(format!("{} {}", sentence(parameters)?, advice(parameters)?))
 }
 
 /// The lines to add to the actuator file.

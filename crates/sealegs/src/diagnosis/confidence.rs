@@ -57,9 +57,7 @@ impl Confidence {
     pub fn of(o: &Outcome) -> Self {
         let mut judged = Self::judged(o);
         if o.verdict != "added" {
-            let base = &o.base.parameters;
-            let first = bounds::sentence(base).into_iter().chain(bounds::advice(base)).collect::<Vec<_>>();
-            judged.reasons.splice(0..0, (!first.is_empty()).then(|| first.join(" ")));
+            judged.reasons.splice(0..0, bounds::reason(&o.base.parameters));
         }
         judged
     }
