@@ -260,10 +260,14 @@ impl LegModel {
         own.unwrap_or(&self.cases[0])
     }
 
-    /// The effects with their values.
+    /// The effects with their values; those beyond a parameter's bounds are taken at the bound, as no law admits them.
     fn placed(&self, values: &[f64]) -> Vec<Placed> {
-        let of =
-            |i: &Included| Placed::new(&i.id, i.effect.clone(), values[i.first..i.first + i.count].to_vec());
+        let inside = |(p, value): (&Parameter, &f64)| value.clamp(p.min.min(p.value), p.max.max(p.value));
+        let of = |i: &Included| {
+            let own = i.first..i.first + i.count;
+            let values = self.parameters[own.clone()].iter().zip(&values[own]).map(inside);
+            Placed::new(&i.id, i.effect.clone(), values.collect())
+        };
         self.included.iter().map(of).collect()
     }
 }
