@@ -124,6 +124,18 @@ fn neutral_values_change_no_bit() {
     }
 }
 
+#[test]
+fn beyond_its_bounds_a_value_is_taken_at_the_bound() {
+    let leg = model(&scenario(""));
+    let with = leg.with_effect("ankle_inner/backlash", &seen()).unwrap_or_else(|e| panic!("{e}"));
+    let of_gap = |gap_m: f64| {
+        let mut all = values(&*with);
+        *all.last_mut().expect("a gap") = gap_m;
+        predict(&*with, &all, 0.08).outputs
+    };
+    assert!(of_gap(-4e-4) == of_gap(0.0) && of_gap(4e-4) != of_gap(0.0));
+}
+
 /// Kinetic and potential energy against the energy at the start.
 #[derive(Default)]
 struct Energy {

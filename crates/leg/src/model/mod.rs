@@ -262,7 +262,10 @@ impl LegModel {
 
     /// The effects with their values; those beyond a parameter's bounds are taken at the bound, as no law admits them.
     fn placed(&self, values: &[f64]) -> Vec<Placed> {
-        let inside = |(p, value): (&Parameter, &f64)| value.clamp(p.min.min(p.value), p.max.max(p.value));
+        let inside = |(p, value): (&Parameter, &f64)| {
+            let neutral = p.neutral.unwrap_or(p.value);
+            value.clamp(p.min.min(p.value).min(neutral), p.max.max(p.value).max(neutral))
+        };
         let of = |i: &Included| {
             let own = i.first..i.first + i.count;
             let values = self.parameters[own.clone()].iter().zip(&values[own]).map(inside);
