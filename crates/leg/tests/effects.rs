@@ -125,7 +125,7 @@ fn neutral_values_change_no_bit() {
 }
 
 #[test]
-fn beyond_its_bounds_a_value_is_taken_at_the_bound() {
+fn a_gap_below_zero_is_none() {
     let leg = model(&scenario(""));
     let with = leg.with_effect("ankle_inner/backlash", &seen()).unwrap_or_else(|e| panic!("{e}"));
     let of_gap = |gap_m: f64| {

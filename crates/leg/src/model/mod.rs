@@ -260,12 +260,10 @@ impl LegModel {
         own.unwrap_or(&self.cases[0])
     }
 
-    /// The effects with their values; those beyond a parameter's bounds are taken at the bound, as no law admits them.
+    /// The effects with their values; where a parameter cannot be negative, what is below zero is taken as zero, as no law
+    /// admits it. Bounds are no limit beside that: they are those of what the runs showed.
     fn placed(&self, values: &[f64]) -> Vec<Placed> {
-        let inside = |(p, value): (&Parameter, &f64)| {
-            let neutral = p.neutral.unwrap_or(p.value);
-            value.clamp(p.min.min(p.value).min(neutral), p.max.max(p.value).max(neutral))
-        };
+        let inside = |(p, value): (&Parameter, &f64)| if p.min >= 0.0 { value.max(0.0) } else { *value };
         let of = |i: &Included| {
             let own = i.first..i.first + i.count;
             let values = self.parameters[own.clone()].iter().zip(&values[own]).map(inside);
