@@ -1,5 +1,7 @@
 //! One recorded run, and what a model says it should have been.
 
+use std::ops::Range;
+
 /// How the input behaves between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum InputHold {
@@ -34,6 +36,18 @@ pub struct Record {
     pub inputs: Vec<Signal>,
     /// The measured output channels.
     pub outputs: Vec<Signal>,
+}
+
+impl Signal {
+    /// Its values at some rows.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer rows.
+    #[must_use]
+    pub fn at_rows(&self, rows: Range<usize>) -> Self {
+        Self { channel: self.channel.clone(), values: self.values[rows].to_vec() }
+    }
 }
 
 impl Record {
@@ -71,6 +85,23 @@ impl Record {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
+    }
+
+    /// The samples of some rows alone, under the same name.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer rows.
+    #[must_use]
+    pub fn at_rows(&self, rows: Range<usize>) -> Self {
+        let of = |signals: &[Signal]| signals.iter().map(|s| s.at_rows(rows.clone())).collect();
+        Self {
+            name: self.name.clone(),
+            time_s: self.time_s[rows.clone()].to_vec(),
+            hold: self.hold,
+            inputs: of(&self.inputs),
+            outputs: of(&self.outputs),
+        }
     }
 }
 
@@ -149,4 +180,26 @@ pub mod internal {
     /// What the name of a signal begins with (behind its place) that a model under an observer lacks at a port:
     /// `missing.rotor`, `missing.spring`, `missing.output`, in N or N m, positive like the port's own force.
     pub const MISSING: &str = "missing.";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_at_some_rows_has_their_time_and_values_alone() {
+        let signal =
+            |name: &str, values: [f64; 3]| Signal { channel: name.to_owned(), values: values.to_vec() };
+        let record = Record {
+            name: "run".to_owned(),
+            time_s: vec![0.0, 0.1, 0.2],
+            hold: InputHold::Linear,
+            inputs: vec![signal("current_a", [1.0, 2.0, 3.0])],
+            outputs: vec![signal("force_1_n", [4.0, 5.0, 6.0])],
+        };
+        let part = record.at_rows(1..3);
+        assert_eq!((part.time_s.as_slice(), part.hold), (&[0.1, 0.2][..], InputHold::Linear));
+        assert_eq!(part.input("current_a"), Some(&[2.0, 3.0][..]));
+        assert_eq!(part.output("force_1_n"), Some(&[5.0, 6.0][..]));
+    }
 }

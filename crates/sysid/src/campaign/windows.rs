@@ -2,7 +2,7 @@
 //! and after seconds of it the error says little of the model.
 
 use super::{Bench, Clock, FEWEST_ROWS, LeftOut, Run};
-use sealegs_model::{Record, Signal};
+use sealegs_model::Record;
 use std::ops::Range;
 
 /// What is wrong of pieces on another bench than those that [`suit`].
@@ -41,23 +41,13 @@ fn pieces(time_s: &[f64], rows: Range<usize>, window_s: f64) -> Vec<Range<usize>
 }
 
 fn piece(run: &Run, rows: Range<usize>, sample_rate_hz: Option<f64>) -> Run {
-    let of = |signals: &[Signal]| -> Vec<Signal> {
-        let cut = |s: &Signal| Signal { values: s.values[rows.clone()].to_vec(), ..s.clone() };
-        signals.iter().map(cut).collect()
-    };
-    let time_s = run.record.time_s[rows.clone()].to_vec();
     let file = run.path.file_name().map_or_else(|| run.record.name.as_str().into(), |f| f.to_string_lossy());
-    let record = Record {
-        name: format!("{file} from {:.1} s", time_s[0]),
-        inputs: of(&run.record.inputs),
-        outputs: of(&run.record.outputs),
-        time_s,
-        ..run.record.clone()
-    };
+    let name = format!("{file} from {:.1} s", run.record.time_s[rows.start]);
+    let record = Record { name, ..run.record.at_rows(rows.clone()) };
     Run {
         scored: 0..record.len(),
         left_out: LeftOut::of(&record),
-        unknown: of(&run.unknown),
+        unknown: run.unknown.iter().map(|s| s.at_rows(rows.clone())).collect(),
         clock: Clock::of(&record.time_s, sample_rate_hz),
         record,
         ..run.clone()

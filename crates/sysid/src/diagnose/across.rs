@@ -3,7 +3,7 @@
 
 use super::nested::simpler_id;
 use super::policy::{EXPLAINED, FOLDS, STEPS_PER_SAMPLE, TIED_COST};
-use super::refine::Models;
+use super::refine::{Models, in_windows};
 use super::screen::Known;
 use super::search::{Search, all_but};
 use super::{Candidate, values_by_name, with_effects};
@@ -22,16 +22,18 @@ struct Fold<'a> {
 fn folds<'a>(data: &Data<'a>) -> Vec<Fold<'a>> {
     let one = data.runs.len() == 1;
     let parts = if one { FOLDS as usize } else { data.runs.len().min(FOLDS as usize) };
-    let part_of =
-        |run: usize, row: usize, rows: usize| if one { parts * row / rows.max(1) } else { run % parts };
     let of_part = |is_of: &dyn Fn(usize) -> bool| {
-        let runs = data.runs.iter().enumerate().filter_map(|(number, run)| {
+        let of_run = |(number, run): (usize, &DataRun<'a>)| {
+            if !one {
+                return is_of(number % parts).then(|| run.clone());
+            }
             let (rows, total) = (run.rows().enumerate(), run.scored_rows());
-            let kept = rows.filter(|(row, _)| is_of(part_of(number, *row, total)));
+            let kept = rows.filter(|(row, _)| is_of(parts * row / total));
             let scored = stretches(kept.map(|(_, index)| index));
             (!scored.is_empty()).then(|| DataRun { scored, ..run.clone() })
-        });
-        Data::from_parts(data.channels.clone(), runs.collect(), data.floor)
+        };
+        let runs = data.runs.iter().enumerate().filter_map(of_run).collect();
+        Data::from_parts(data.channels.clone(), runs, data.floor)
     };
     let fold = |part: usize| Fold { rest: of_part(&|of| of != part), left_out: of_part(&|of| of == part) };
     (0..parts).map(fold).collect()
@@ -50,16 +52,17 @@ fn stretches(rows: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
 }
 
 impl Models<'_> {
-    /// Sum of squared residuals of runs that a set is not fitted to, over all folds, in open loop as the holdout runs will be
-    /// judged; infinite if it cannot be simulated.
+    /// Sum of squared residuals of runs that a set is not fitted to, over all folds; infinite if it cannot be simulated. In open
+    /// loop, as the holdout runs will be judged, or in windows where open loop says little.
     fn left_of_others(&self, set: &Candidate, folds: &[Fold]) -> f64 {
-        let open = self.exact.coarser(STEPS_PER_SAMPLE);
+        let searched = self.exact.coarser(STEPS_PER_SAMPLE);
+        let searched = in_windows(self.data, searched.as_ref()).unwrap_or(searched);
         let of_fold = |fold: &Fold| -> Option<f64> {
-            let model = with_effects(open.as_ref(), &set.effects, &self.seen).ok()?;
-            let start = values_by_name(model.as_ref(), &set.known());
-            let options = self.options(model.as_ref(), start, set);
+            let model = with_effects(searched.as_ref(), &set.effects, &self.seen).ok()?;
             // A copy counts its own work from zero.
             let (rest, left_out) = (fold.rest.clone(), fold.left_out.clone());
+            let start = values_by_name(model.as_ref(), &set.known());
+            let options = self.options(model.as_ref(), start, set);
             let fit = fit::fit(&rest, model.as_ref(), &options).ok()?;
             let left = left_out.judge(model.as_ref(), &fit.values, fit.sensors()).ok()?;
             self.data.add_work(&rest);
@@ -169,10 +172,11 @@ impl Search<'_> {
             sets.into_iter().partition(|(set, _)| self.tried.iter().any(|t| t.effects == *set));
         self.say_fitted(new.iter().map(|(set, _)| set.clone()).collect());
         let models = &self.models;
-        let fitted: Vec<Option<_>> =
-            new.par_iter().map(|(effects, known)| models.fitted(&set, effects, known, None)).collect();
+        let fit = |(effects, known): &(Vec<String>, Known)| models.fitted(&set, effects, known, None);
+        let mut fitted: Vec<Candidate> = new.par_iter().filter_map(fit).collect();
+        self.no_worse_than_parts(&mut fitted);
         let first = self.tried.len();
-        self.tried.extend(fitted.into_iter().flatten());
+        self.tried.extend(fitted);
         let index = |(set, _): (Vec<String>, Known)| self.tried.iter().position(|t| t.effects == set);
         known.into_iter().filter_map(index).chain(first..self.tried.len()).collect()
     }

@@ -13,7 +13,7 @@ use crate::data::{Data, DataRun};
 use crate::fit::{self, Difference, Signatures};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use sealegs_model::{EffectCard, Excitation, Parameter, Prediction, Record, Signal};
+use sealegs_model::{EffectCard, Excitation, Parameter, Prediction, Record};
 
 /// Distance of the numbers of counts that are tried.
 const COUNTS_APART: f64 = 0.5;
@@ -33,6 +33,9 @@ const EXCERPT_ROWS: usize = 20_000;
 
 /// Time between pulses on the command, s: no drive with a spring follows faster.
 const PULSE_S: f64 = 0.02;
+
+/// How long before the first row that is scored they begin, s: what was commanded earlier has died away.
+const MEMORY_S: f64 = 1.0;
 
 /// Their size as a share of the greatest command.
 const PULSE: f64 = 1e-3;
@@ -71,14 +74,16 @@ fn promising(
     let first = run.rows().next().unwrap_or(0);
     let until_s = run.record.time_s.get(first).copied().unwrap_or(0.0) + EXCERPT_S;
     let rows = run.record.time_s.partition_point(|&t| t <= until_s).min(first + EXCERPT_ROWS);
-    let record = head(run.record, rows);
+    let record = Record { outputs: Vec::new(), ..run.record.at_rows(0..rows) };
     let excerpt = Data::from_parts(data.channels.clone(), vec![cut(run, &record)], data.floor);
     // What the base parameters can do in its place is left to them, as in all screening: without a count that it has, a
     // drive is fitted with another force constant.
     let there = &beside.fit.values;
     let fit = fit::at_values(&excerpt, beside.model.as_ref(), there, Difference::Forward).ok()?;
     let near = Candidate { fit, ..beside.clone() };
-    let pulses = Pulses::new(&excerpt, &near, command(&record, card, peak)?, PULSE * peak)?;
+    let earlier = (MEMORY_S / record.mean_period_s()) as usize;
+    let from = first.saturating_sub(earlier);
+    let pulses = Pulses::new(&excerpt, &near, command(&record, card, peak)?, from, PULSE * peak)?;
     let numbers = evenly(COUNTS_APART, FEWEST_COUNTS, MOST_COUNTS);
     let all: Vec<(f64, bool)> = [false, true].iter().flat_map(|r| numbers.iter().map(|n| (*n, *r))).collect();
     let falls: Vec<f64> = all
@@ -126,25 +131,27 @@ fn command(record: &Record, card: &EffectCard, peak: f64) -> Option<usize> {
 /// up to any command that is slow beside them.
 struct Pulses<'a> {
     command: &'a [f64],
-    /// Rows from one to the next.
-    apart: usize,
+    /// The rows of each with their weights in its mean.
+    rows: Vec<Vec<(usize, f64)>>,
     /// How the cost changes with their sizes: its gradient and its curvature, with what the base parameters take up left to them.
     gradient: DVector<f64>,
     curvature: DMatrix<f64>,
 }
 
 impl<'a> Pulses<'a> {
-    /// `None` if they cannot be simulated.
-    fn new(data: &Data<'a>, near: &Candidate, input: usize, size: f64) -> Option<Self> {
+    /// Pulses on an input about the rows from one on; `None` if they cannot be simulated.
+    fn new(data: &Data<'a>, near: &Candidate, input: usize, from: usize, size: f64) -> Option<Self> {
         let (run, model) = (data.runs.first()?, near.model.coarser(SCREEN_STEPS_PER_SAMPLE));
         let (model, values) = (model.as_ref(), &near.fit.values);
         let unchanged = data.predict_outputs(model, values).ok()?;
         let rows = run.record.len();
         let apart = (PULSE_S / run.record.mean_period_s()).round().max(1.0) as usize;
-        let changed = |pulse: usize| {
+        let pulses: Vec<Vec<(usize, f64)>> =
+            (from / apart..rows.div_ceil(apart) + 1).map(|pulse| triangle(pulse, apart, rows)).collect();
+        let changed = |pulse: &Vec<(usize, f64)>| {
             let mut record = run.record.clone();
-            for (row, height) in triangle(pulse, apart, rows) {
-                record.inputs[input].values[row] += size * height;
+            for (row, height) in pulse {
+                record.inputs[input].values[*row] += size * height;
             }
             let pulsed = vec![DataRun { record: &record, ..run.clone() }];
             let pulsed = Data::from_parts(data.channels.clone(), pulsed, data.floor);
@@ -152,13 +159,12 @@ impl<'a> Pulses<'a> {
             data.add_work(&pulsed);
             changed
         };
-        let changed: Vec<Vec<Prediction>> =
-            (0..rows.div_ceil(apart) + 1).into_par_iter().map(changed).collect::<Option<_>>()?;
+        let changed: Vec<Vec<Prediction>> = pulses.par_iter().map(changed).collect::<Option<_>>()?;
         let columns: Vec<&[Prediction]> = changed.iter().map(Vec::as_slice).collect();
         let signatures = Signatures::new(data, &near.fit, &unchanged, &columns);
         Some(Self {
             command: &run.record.inputs[input].values,
-            apart,
+            rows: pulses.iter().map(|pulse| weights(pulse)).collect(),
             gradient: signatures.gradient / size,
             curvature: signatures.gram / (size * size),
         })
@@ -167,24 +173,23 @@ impl<'a> Pulses<'a> {
     /// By how much the cost falls where every sample of the command changes as given.
     fn fall(&self, change: impl Fn(f64) -> f64) -> f64 {
         let changes: Vec<f64> = self.command.iter().map(|u| change(*u)).collect();
-        let mean = |pulse: usize| {
-            let (mut sum, mut length) = (0.0, 0.0);
-            for (row, height) in triangle(pulse, self.apart, changes.len()) {
-                sum += height * changes[row];
-                length += height;
-            }
-            if length > 0.0 { sum / length } else { 0.0 }
-        };
-        let sizes = DVector::from_fn(self.gradient.len(), |pulse, _| mean(pulse));
+        let mean = |pulse: &Vec<(usize, f64)>| pulse.iter().map(|(row, w)| w * changes[*row]).sum::<f64>();
+        let sizes = DVector::from_iterator(self.rows.len(), self.rows.iter().map(mean));
         -(self.gradient.dot(&sizes) + 0.5 * sizes.dot(&(&self.curvature * &sizes)))
     }
 }
 
 /// The rows of a pulse with its heights, 1 in its middle.
-fn triangle(pulse: usize, apart: usize, rows: usize) -> impl Iterator<Item = (usize, f64)> {
+fn triangle(pulse: usize, apart: usize, rows: usize) -> Vec<(usize, f64)> {
     let middle = pulse * apart;
-    let height = move |row: usize| 1.0 - row.abs_diff(middle) as f64 / apart as f64;
-    (middle.saturating_sub(apart)..(middle + apart).min(rows)).map(move |row| (row, height(row)))
+    let height = |row: usize| 1.0 - row.abs_diff(middle) as f64 / apart as f64;
+    (middle.saturating_sub(apart)..(middle + apart).min(rows)).map(|row| (row, height(row))).collect()
+}
+
+/// Heights as shares of their sum.
+fn weights(pulse: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    let sum: f64 = pulse.iter().map(|(_, height)| height).sum();
+    pulse.iter().map(|&(row, height)| (row, if sum > 0.0 { height / sum } else { 0.0 })).collect()
 }
 
 /// A command in whole counts, rounded or truncated toward zero.
@@ -197,21 +202,6 @@ fn counted(command: f64, count: f64, rounded: bool) -> f64 {
 fn evenly(apart: f64, first: f64, last: f64) -> Vec<f64> {
     let steps = ((last - first) / apart).floor() as i32;
     (0..=steps).map(|i| first + apart * f64::from(i)).collect()
-}
-
-/// The first rows of a record.
-fn head(record: &Record, rows: usize) -> Record {
-    let inputs = record
-        .inputs
-        .iter()
-        .map(|s| Signal { channel: s.channel.clone(), values: s.values[..rows].to_vec() });
-    Record {
-        name: record.name.clone(),
-        time_s: record.time_s[..rows].to_vec(),
-        hold: record.hold,
-        inputs: inputs.collect(),
-        outputs: Vec::new(),
-    }
 }
 
 /// A run as far as a shorter record goes.
@@ -243,7 +233,7 @@ mod tests {
     fn pulses_add_up_to_a_constant() {
         let mut sum = vec![0.0; 50];
         for pulse in 0..=50_usize.div_ceil(8) {
-            triangle(pulse, 8, 50).for_each(|(row, height)| sum[row] += height);
+            triangle(pulse, 8, 50).into_iter().for_each(|(row, height)| sum[row] += height);
         }
         assert!(sum.iter().all(|s| (s - 1.0).abs() < 1e-12), "{sum:?}");
     }
@@ -257,7 +247,7 @@ mod tests {
         let data = Data::new(&campaign, Some(Role::Fit), &toy).expect("a fit run");
         let at = fit::fit(&data, &toy, &FitOptions::default()).expect("a fit");
         let near = Candidate::exactly(&data, Vec::new(), Box::new(toy), at);
-        let pulses = Pulses::new(&data, &near, 0, 1e-3).expect("it can be simulated");
+        let pulses = Pulses::new(&data, &near, 0, 0, 1e-3).expect("it can be simulated");
         let mut changed = data.runs[0].record.clone();
         changed.inputs[0].values.iter_mut().for_each(|u| *u += 0.1 * u.abs());
         let more = vec![DataRun { record: &changed, ..data.runs[0].clone() }];

@@ -99,6 +99,7 @@ impl Search<'_> {
             finish_best(models, &mut rest);
         }
         fitted.extend(rest);
+        self.no_worse_than_parts(&mut fitted);
         let least = |n: &Candidate| (n.effects.len(), n.fit.cost);
         let fewest = fitted.iter_mut().reduce(|a, b| if least(b) < least(a) { b } else { a });
         if let Some(fewest) = fewest.filter(|_| !settled && !models.dear) {
@@ -107,6 +108,27 @@ impl Search<'_> {
         }
         self.tried.extend(fitted);
         known.into_iter().chain(first..self.tried.len()).collect()
+    }
+
+    /// Fits sets again that leave more than a part of them does, from that part's values with what they have beyond it weak:
+    /// they rest in a minimum of their own. Not where a simulation is dear.
+    pub(super) fn no_worse_than_parts(&self, sets: &mut [Candidate]) {
+        if self.models.dear {
+            return;
+        }
+        sets.par_iter_mut().for_each(|set| {
+            let is_part = |t: &&Candidate| {
+                let members = t.effects.iter().all(|e| set.effects.contains(e));
+                members && t.effects.len() < set.effects.len() && !t.exact
+            };
+            let parts = self.tried.iter().filter(is_part);
+            let part = parts.reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
+            let part = part.filter(|part| part.fit.cost < set.fit.cost - EQUAL_COST);
+            let again = part.and_then(|part| self.models.fitted_from_part(part, set));
+            if let Some(again) = again.filter(|again| again.fit.cost < set.fit.cost) {
+                *set = again;
+            }
+        });
     }
 
     /// Fits the lowest of some sets under the base model's other discrete choices where none explains everything: a choice
@@ -131,8 +153,8 @@ impl Search<'_> {
     pub(super) fn fit_from_every_start(&mut self, index: usize, from: usize) {
         let (set, near) = (&self.tried[index], &self.tried[from]);
         let own = near.model.parameters().len();
-        let added = set.model.parameters().get(own..).unwrap_or_default();
-        let settled = !has_two_magnitudes(added) && self.models.is_settled(set, &self.tried[0]);
+        let further = set.model.parameters().get(own..).unwrap_or_default();
+        let settled = !has_two_magnitudes(further) && self.models.is_settled(set, &self.tried[0]);
         if self.models.dear || self.is_long() || settled {
             return;
         }

@@ -7,7 +7,7 @@ use super::policy::{LITTLE_SEEN, PORT_FELT, STEPS_PER_SAMPLE};
 use super::refine::{Models, with_nominal_base};
 use super::regression::Nuisance;
 use super::rows::{averaged, step};
-use super::{Candidate, with_effects};
+use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, Evaluation};
 use crate::stats::{self, Noise};
 use rayon::prelude::*;
@@ -137,16 +137,17 @@ fn signal(place: String, port: String, unit: String, runs: Vec<Vec<f64>>, std: f
     }
 }
 
-/// What the observer finds missing in the model's own prediction under the sensors' noise.
+/// What the observer finds missing in the model's own prediction under the sensors' noise. An observed model has parameters of
+/// its own, the zeros of sensors, so that each takes the others by name.
 fn noise_alone(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missing> {
-    let values = &observed.fit.values;
+    let known = observed.known();
     let mut noise = Noise::new(1);
     let mut noisy = |s: &Signal| {
         let std = data.channels.iter().find(|c| c.name == s.channel).map_or(0.0, |c| c.noise_std);
         let values = s.values.iter().map(|v| v + std * noise.normal()).collect();
         Signal { channel: s.channel.clone(), values }
     };
-    let Ok(predicted) = data.predict(open, values) else { return Vec::new() };
+    let Ok(predicted) = data.predict(open, &values_by_name(open, &known)) else { return Vec::new() };
     let records: Vec<Record> = data
         .runs
         .iter()
@@ -154,7 +155,8 @@ fn noise_alone(data: &Data, observed: &Candidate, open: &dyn Model) -> Vec<Missi
         .map(|(run, p)| Record { outputs: p.outputs.iter().map(&mut noisy).collect(), ..run.record.clone() })
         .collect();
     let again = open.observing(&records.iter().collect::<Vec<_>>());
-    let predicted = again.and_then(|model| data.predict(model.as_ref(), values).ok());
+    let predicted =
+        again.and_then(|model| data.predict(model.as_ref(), &values_by_name(model.as_ref(), &known)).ok());
     predicted.map_or_else(Vec::new, |p| ports(data, &p))
 }
 

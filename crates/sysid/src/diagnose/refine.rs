@@ -31,6 +31,9 @@ const ROUGH_TOLERANCE: f64 = 3.0;
 /// Ratios to its nominal value from which a parameter that is free at last starts again: its prior is 50 %.
 const FREED: [f64; 2] = [0.6, 1.4];
 
+/// How much longer windows become on the way to open loop.
+const LONGER: [f64; 2] = [4.0, 16.0];
+
 /// A base model in the forms in which a diagnosis uses it, with the fit runs.
 pub struct Models<'a> {
     /// The fit runs.
@@ -54,10 +57,15 @@ fn records_of<'a>(data: &Data<'a>) -> Vec<&'a Record> {
 /// The model as a search simulates it where whole runs in open loop say little: an error is forgotten after a part of the
 /// mean duration of a run.
 pub(super) fn in_windows(data: &Data, model: &dyn Model) -> Option<Box<dyn Model>> {
+    remembering(data, model, 1.0 / WINDOWS)
+}
+
+/// The same where an error is forgotten after such a share of the mean duration.
+fn remembering(data: &Data, model: &dyn Model, share: f64) -> Option<Box<dyn Model>> {
     let records = records_of(data);
     let duration = |r: &&Record| r.mean_period_s() * r.len() as f64;
     let mean_s = records.iter().map(duration).sum::<f64>() / records.len().max(1) as f64;
-    model.forgetting(&records, mean_s / WINDOWS)
+    model.forgetting(&records, share * mean_s)
 }
 
 impl<'a> Models<'a> {
@@ -75,6 +83,12 @@ impl<'a> Models<'a> {
     pub fn refine(&mut self) {
         self.coarse = in_windows(self.data, self.exact).unwrap_or_else(|| self.exact.clone_box());
         self.observed = self.exact.observing(&records_of(self.data));
+    }
+
+    /// Whether the search simulates in windows.
+    #[must_use]
+    pub(super) fn is_windowed(&self) -> bool {
+        in_windows(self.data, self.exact).is_some()
     }
 
     /// Mean squared difference of a set's predictions with the search's steps and with the model's own, in squared noise
@@ -284,6 +298,16 @@ impl<'a> Models<'a> {
         Candidate::fitted(self.data, effects.to_vec(), model, &options).ok()
     }
 
+    /// A set fitted from the values of a part of it, with what it has beyond that as it is in the set, but weaker.
+    #[must_use]
+    pub(super) fn fitted_from_part(&self, part: &Candidate, set: &Candidate) -> Option<Candidate> {
+        let model = with_effects(self.coarse.as_ref(), &set.effects, &self.seen).ok()?;
+        let known: Known = part.known().into_iter().chain(set.known()).collect();
+        let start = weakened(model.as_ref(), &values_by_name(model.as_ref(), &known), part, WEAKER);
+        let options = self.options(model.as_ref(), start, part);
+        Candidate::fitted(self.data, set.effects.clone(), model, &options).ok()
+    }
+
     /// Where the search does without derivatives, a candidate fitted on with its own.
     #[must_use]
     pub(super) fn finished(&self, candidate: Candidate) -> Candidate {
@@ -345,7 +369,9 @@ impl<'a> Models<'a> {
                 let options = FitOptions { start: Some(start), ..options.clone() };
                 count::fit_holding(self.data, model.as_ref(), &options)
             };
-            let start = within_half_a_period(model.parameters(), &self.rescaled(candidate).values);
+            let values =
+                self.with_longer_memory(candidate).unwrap_or_else(|| self.rescaled(candidate).values);
+            let start = within_half_a_period(model.parameters(), &values);
             let mut fit = from(start)?;
             for start in freed(model.as_ref(), &candidate.fit.values) {
                 fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
@@ -353,6 +379,21 @@ impl<'a> Models<'a> {
             Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
         };
         polish().unwrap_or_else(|_| candidate.clone())
+    }
+
+    /// A candidate that was fitted in windows, fitted in ever longer ones: its values for open loop, where a fit from those
+    /// of short windows may end anywhere. `None` for one that was fitted in open loop.
+    fn with_longer_memory(&self, candidate: &Candidate) -> Option<Vec<f64>> {
+        let mut values = candidate.fit.values.clone();
+        for longer in LONGER {
+            let model = remembering(self.data, self.exact, longer / WINDOWS)?;
+            let model = with_effects(model.as_ref(), &candidate.effects, &self.seen).ok()?;
+            let options = self.options(model.as_ref(), values.clone(), candidate);
+            if let Ok(fit) = fit::fit(self.data, model.as_ref(), &options) {
+                values = fit.values;
+            }
+        }
+        Some(values)
     }
 
     /// A candidate's fit followed along changes of the units of force and length, where derivatives are cheap.
@@ -373,7 +414,7 @@ impl<'a> Models<'a> {
     /// told.
     #[must_use]
     pub(super) fn in_open_loop(&self, mut candidate: Candidate) -> Candidate {
-        if candidate.exact || in_windows(self.data, self.exact).is_none() {
+        if candidate.exact || !self.is_windowed() {
             return candidate;
         }
         if let Ok(open) = with_effects(self.exact, &candidate.effects, &self.seen) {

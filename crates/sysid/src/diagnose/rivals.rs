@@ -146,8 +146,10 @@ impl Search<'_> {
             if !clearly_better(simple, richer, floor) || self.is_unseen(simple, richer) {
                 tied.retain(|&i| i != index);
                 tied.push(chosen);
-                // Beside another law that contains it, the simpler one is that law twice.
-                let index = self.pruned(index);
+                // Beside another law that contains it, the simpler one is that law twice. What was fitted to the end in open
+                // loop is not compared with what was fitted in windows.
+                let comparable = !self.tried[index].exact || !self.models.is_windowed();
+                let index = if comparable { self.pruned(index) } else { index };
                 return self.simplified(index, tied);
             }
         }
