@@ -53,6 +53,7 @@ pub mod jobs;
 pub mod leg_model;
 pub mod leg_scene;
 pub mod mystery;
+pub mod notes;
 mod options;
 mod report;
 pub mod robot_model;

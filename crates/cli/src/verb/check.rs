@@ -222,7 +222,7 @@ fn text(campaign: &Campaign, rotary: bool, found: &Check) -> String {
     }
     if !campaign.notes.is_empty() {
         let _ = writeln!(out, "\nRemarks");
-        for note in &campaign.notes {
+        for note in sealegs::notes::together(&campaign.notes) {
             let _ = writeln!(out, "  {note}");
         }
     }

@@ -56,7 +56,7 @@ pub fn run(arguments: &Compare) -> anyhow::Result<u8> {
         destination.write((comparison.to_json()? + "\n").as_bytes())?;
     }
     if arguments.json.as_deref() != Some(Path::new("-")) {
-        for note in &comparison.campaign().notes {
+        for note in sealegs::notes::together(&comparison.campaign().notes) {
             eprintln!("sealegs: note: {note}");
         }
         write!(std::io::stdout().lock(), "{}", comparison.to_text()?)?;

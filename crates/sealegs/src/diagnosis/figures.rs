@@ -67,7 +67,10 @@ pub fn maps(page: &mut Report, story: &Story) {
         (((v / range + 1.0) * 0.5 * CELLS as f64) as isize).clamp(0, CELLS as isize - 1) as usize
     };
     let rotary = parts.iter().any(|p| p.data.is_rotary(""));
-    let (speed_unit, load_unit) = if rotary { ("rad/s", "N m") } else { ("m/s", "N") };
+    let (speed_axis, load_axis) = match rotary {
+        true => (Axis::new("speed", "rad/s"), Axis::new("torque", "N m")),
+        false => (Axis::new("screw speed", "m/s"), Axis::new("screw force", "N")),
+    };
     let map = |title: &str, of: &dyn Fn(&Part) -> Option<Evaluation>| -> HeatMap {
         let mut sums = vec![(0.0, 0usize); CELLS * CELLS];
         for part in parts {
@@ -87,8 +90,8 @@ pub fn maps(page: &mut Report, story: &Story) {
         }
         HeatMap {
             title: title.to_owned(),
-            x: Axis::new("screw speed", speed_unit),
-            y: Axis::new("screw force", load_unit),
+            x: speed_axis.clone(),
+            y: load_axis.clone(),
             columns: names(speed),
             rows: names(load),
             values: sums

@@ -92,7 +92,7 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
         let _ = writeln!(o, "\n{sentence}");
     }
     let _ = writeln!(o, "\nNext experiment: {}", outcome.next_experiment);
-    for note in &outcome.notes {
+    for note in crate::notes::together(&outcome.notes) {
         let _ = writeln!(o, "note: {note}");
     }
     let seconds = took.as_secs_f64();

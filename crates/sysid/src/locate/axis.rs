@@ -84,10 +84,12 @@ impl Axis {
         !matches!(self, Self::Channel | Self::Run | Self::Amplitude | Self::Time)
     }
 
-    pub fn name(self) -> &'static str {
+    /// What it measures; `rotary` where nothing has a screw.
+    pub fn name(self, rotary: bool) -> &'static str {
         match self {
             Self::Channel => "channel",
             Self::Run => "run",
+            Self::Speed if rotary => "speed",
             Self::Speed => "screw speed",
             Self::Direction => "direction",
             Self::Load => "load",
@@ -126,11 +128,11 @@ impl Axis {
                 (between(&edges, &unit("m/s", "rad/s"), false), edges)
             }
             Self::Direction => {
-                let words = [
-                    "shortening (speed negative)",
-                    "standing (below 1 % of top speed)",
-                    "lengthening (speed positive)",
-                ];
+                let standing = "standing (below 1 % of top speed)";
+                let words = match rotary {
+                    true => ["backward (speed negative)", standing, "forward (speed positive)"],
+                    false => ["shortening (speed negative)", standing, "lengthening (speed positive)"],
+                };
                 let edge = 0.01 * peak(internal::SCREW_SPEED);
                 (words.map(str::to_owned).to_vec(), vec![-edge, edge])
             }

@@ -120,7 +120,8 @@ pub fn locate(parts: &[(&Data, &Evaluation)]) -> Location {
                     }
                 }
             }
-            regions.extend(cells.regions(axis.name(), site));
+            let rotary = parts.iter().any(|(data, _)| data.is_rotary(site));
+            regions.extend(cells.regions(axis.name(rotary), site));
         }
     }
     regions.extend(band::regions(parts));
