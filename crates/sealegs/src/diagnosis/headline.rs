@@ -2,6 +2,7 @@
 
 use super::confidence::Level;
 use super::outcome::{Outcome, ParameterValue, RungSaid, percent};
+use super::sentence::TOLD;
 use super::text::{another_name, other_conventions};
 use crate::report::units::{capital, error, symbol, with_interval};
 use crate::report::{WIDE_RATIO, force};
@@ -230,7 +231,7 @@ fn judged(o: &Outcome) -> Vec<String> {
                 error(o.base.fit_error),
                 error(after.fit_error)
             ));
-            lines.extend(o.worst_channel().map(|w| format!("Root mean square, held-out: {w}.")));
+            lines.extend(o.worst_channels(TOLD).map(|w| format!("Root mean square, held-out: {w}.")));
             lines.push(format!(
                 "{} of the residual energy above the noise floor is left.",
                 capital(&percent(o.unexplained_share))

@@ -5,16 +5,25 @@ use super::outcome::{ChannelSaid, Outcome, percent};
 use crate::report::units::{error, with_interval};
 
 impl Outcome {
-    /// The channel that the base model misses most, with its error before and after: `position_m 111 mm → 5.28 mm`.
-    pub(super) fn worst_channel(&self) -> Option<String> {
-        let before =
-            self.base.channels.iter().reduce(|a, b| if b.holdout_error > a.holdout_error { b } else { a })?;
-        let said = |e: &ChannelSaid| with_interval(e.holdout_rms, None, &e.unit);
-        let after = self.after.as_ref().and_then(|a| a.channels.iter().find(|c| c.channel == before.channel));
-        let after = after.map_or_else(String::new, |after| format!(" → {}", said(after)));
-        Some(format!("{} {}{after}", before.channel, said(before)))
+    /// The channels that the base model misses most, so many, with their errors before and after:
+    /// `position_m 111 mm → 5.28 mm`. `None` where there is none.
+    pub(super) fn worst_channels(&self, most: usize) -> Option<String> {
+        let mut worst: Vec<&ChannelSaid> = self.base.channels.iter().collect();
+        worst.sort_by(|a, b| b.holdout_error.total_cmp(&a.holdout_error));
+        let size = |e: &ChannelSaid| with_interval(e.holdout_rms, None, &e.unit);
+        let said = |before: &&ChannelSaid| {
+            let same = |c: &&ChannelSaid| c.channel == before.channel;
+            let after = self.after.as_ref().and_then(|a| a.channels.iter().find(same));
+            let after = after.map_or_else(String::new, |after| format!(" → {}", size(after)));
+            format!("{} {}{after}", before.channel, size(before))
+        };
+        let said: Vec<String> = worst.iter().take(most).map(said).collect();
+        (!said.is_empty()).then(|| said.join(", "))
     }
 }
+
+/// Channels whose errors are told in their own units.
+pub(super) const TOLD: usize = 3;
 
 /// Error in noise units from which on the verdict says it in the worst channel's own unit, too.
 const FAR: f64 = 1000.0;
@@ -26,7 +35,7 @@ pub(super) fn sentence(o: &Outcome) -> String {
     // Where a sensor is far better than the model, noise units are large numbers that nobody can picture.
     let said = |e: f64| if e >= FAR { error(e) } else { format!("{e:.2}") };
     let base = said(o.base.holdout_error);
-    let pictured = o.worst_channel().filter(|_| o.base.holdout_error >= FAR);
+    let pictured = o.worst_channels(1).filter(|_| o.base.holdout_error >= FAR);
     let pictured = pictured.map_or_else(String::new, |w| format!(" Root mean square, held-out: {w}."));
     let law = o.law.as_ref().map_or_else(String::new, |law| format!(" Beyond the catalogue, {}", law.said()));
     let first = super::bounds::sentence(&o.base.parameters).filter(|_| o.verdict != "added");

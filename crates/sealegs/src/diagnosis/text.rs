@@ -1,6 +1,7 @@
 //! A diagnosis as text for a terminal.
 
 use super::outcome::{Outcome, ParameterValue, Side};
+use super::sentence::TOLD;
 use sealegs_sysid::diagnose::DEPARTURE;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -46,7 +47,7 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
             law.holdout_error
         );
     }
-    if let Some(worst) = outcome.worst_channel() {
+    if let Some(worst) = outcome.worst_channels(TOLD) {
         let _ = writeln!(o, "  held-out, root mean square: {worst}");
     }
     if !outcome.indistinguishable.is_empty() {

@@ -65,15 +65,12 @@ pub(crate) fn caption(force: &ForceSaid, effects: &[String]) -> String {
     } else {
         format!("What the model lacks at {} to follow the measured motion of the fit runs", force.port)
     };
+    let named = if effects.is_empty() { "the curve".to_owned() } else { effects.join(" + ") };
     let law = match force.explained_by_law {
         Some(share) if share > 0.0 => {
-            format!(
-                " Blue: {} at the same instants, {} of the mean square.",
-                effects.join(" + "),
-                percent(share)
-            )
+            format!(" Blue: {named} at the same instants, {} of the mean square.", percent(share))
         }
-        Some(_) => format!(" Blue: {} at the same instants.", effects.join(" + ")),
+        Some(_) => format!(" Blue: {named} at the same instants."),
         None => " No law is drawn: none is named.".to_owned(),
     };
     format!("{what}, averaged in bins of {} (it depends on: {}).{law}", force.over, force.depends_on)
