@@ -5,7 +5,7 @@ use super::{Compared, Summary};
 use crate::diagnosis::bounds;
 use crate::diagnosis::outcome::{MissingSignal, parameters, percent};
 use crate::diagnosis::text::{digits_for, figures};
-use crate::notes;
+use crate::notes::together;
 use crate::report::units::{capital, error, with_interval};
 use crate::report::{WIDE_RATIO, fails, force};
 use sealegs_model::Unit;
@@ -242,7 +242,7 @@ pub(crate) fn remarks(page: &mut Report, notes: &[String]) {
     if notes.is_empty() {
         return;
     }
-    let notes = &notes::together(notes);
+    let notes = &together(notes);
     page.details(&format!("Remarks on the files ({})", notes.len()), |page| {
         page.list(notes);
     });

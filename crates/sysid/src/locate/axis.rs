@@ -65,6 +65,11 @@ impl Cells {
 /// In which region a row of a run lies, given the channel, too.
 type Place<'a> = Box<dyn Fn(usize, usize) -> usize + 'a>;
 
+/// Whether forces at a place are torques, and nothing there has a screw.
+pub fn is_rotary(parts: &[(&Data, &Evaluation)], at: &str) -> bool {
+    parts.iter().any(|(data, _)| data.is_rotary(at))
+}
+
 impl Axis {
     pub const ALL: [Self; 10] = [
         Self::Channel,
@@ -103,7 +108,7 @@ impl Axis {
 
     /// Labels and limits of the regions, from what the parts contain; of signals at a place.
     pub fn cells(self, at: &str, parts: &[(&Data, &Evaluation)]) -> (Vec<String>, Vec<f64>) {
-        let rotary = parts.iter().any(|(d, _)| d.is_rotary(at));
+        let rotary = is_rotary(parts, at);
         let unit = |linear: &str, angular: &str| if rotary { angular.to_owned() } else { linear.to_owned() };
         let peak = |name: &str| {
             let all: Vec<f64> = internals(parts, at, name).map(f64::abs).collect();

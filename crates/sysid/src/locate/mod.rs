@@ -11,7 +11,7 @@ mod remainder;
 pub use remainder::remainder;
 
 use crate::data::{Data, Evaluation};
-use axis::{Axis, Cells};
+use axis::{Axis, Cells, is_rotary};
 
 /// A part of the samples (or of the spectrum) and how much of the error lies in it.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,8 +120,7 @@ pub fn locate(parts: &[(&Data, &Evaluation)]) -> Location {
                     }
                 }
             }
-            let rotary = parts.iter().any(|(data, _)| data.is_rotary(site));
-            regions.extend(cells.regions(axis.name(rotary), site));
+            regions.extend(cells.regions(axis.name(is_rotary(parts, site)), site));
         }
     }
     regions.extend(band::regions(parts));
