@@ -110,15 +110,16 @@ pub fn bench_of(
         campaign::Bench::Pendulum => {
             let usual = PendulumRig::default();
             let own = rig.length_m.is_some() || rig.mass_kg.is_some() || rig.rod_mass_kg.is_some();
-            let direct = spec.kind == Kind::Rotary && spec.is_rigid();
-            if direct && rig.length_m.is_none() {
+            // A rotary drive turns the pendulum itself; a linear one pushes its lever.
+            let turns = spec.kind == Kind::Rotary;
+            if turns && rig.length_m.is_none() {
                 return Err(missing(
                     "length_m",
                     "a drive that turns a pendulum directly needs its rig's numbers",
                 ));
             }
             Bench::Pendulum(PendulumRig {
-                arm_m: rig.arm_m.unwrap_or(if direct { 1.0 } else { usual.arm_m }),
+                arm_m: rig.arm_m.unwrap_or(if turns { 1.0 } else { usual.arm_m }),
                 length_m: rig.length_m.unwrap_or(usual.length_m),
                 mass_kg: rig.mass_kg.unwrap_or(if own { 0.0 } else { usual.mass_kg }),
                 rod_mass_kg: rig.rod_mass_kg.unwrap_or(0.0),
