@@ -274,6 +274,8 @@ fn a_fitted_file_loads_again_from_another_folder() {
     let (folder, record) = (folder(), record());
     let model = model(folder.path()).with_starts([&record]);
     let model = model.including("elbow/stribeck-friction", &seen()).expect("offered");
+    // Its limit is called by the unit of the command: a file knows that, too.
+    let model = model.including("shoulder/current-saturation", &seen()).expect("offered");
     let mut all = values(&model);
     let damping = model.parameters().iter().position(|p| p.name == "shoulder/damping").expect("a parameter");
     let mass = model.parameters().iter().position(|p| p.name == "lower/mass").expect("a parameter");

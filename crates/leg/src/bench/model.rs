@@ -15,7 +15,8 @@ use sealegs_actuator::plant::{Grid, Plant, mean_per_step, sample};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_actuator::{ActuatorSpec, Kind};
 use sealegs_model::{
-    EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
+    EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, SignalRange,
+    internal,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -152,9 +153,13 @@ impl RobotModel {
             p.prior_std = given.std.filter(|s| *s > 0.0).or(p.prior_std);
             (p.min, p.max) = (p.min.min(given.value), p.max.max(given.value));
         }
+        // What a command counts in names some parameters: a limit is one of the joints' efforts.
+        let command = |joint: &Joint| SignalRange { name: joint.command(), min: -1.0, max: 1.0, rms: 1.0 };
+        let commanded =
+            Excitation { ranges: self.joints.iter().map(command).collect(), ..Excitation::default() };
         for effect in &file.effects {
             let before = self.parameters.len();
-            self.include(&effect.id, &Excitation::default())
+            self.include(&effect.id, &commanded)
                 .map_err(|e| bad(format!("effect.{}", effect.id), e.to_string()))?;
             for (name, given) in &effect.parameters {
                 let full = format!("{}.{name}", effect.id);
