@@ -93,7 +93,7 @@ impl DrivenRobot {
         let channels = drive.channels.iter().map(|c| ((*c).to_owned(), (*c).to_owned())).collect();
         let starts = setup.map(|s| {
             let (x, v) = s.start;
-            ("start".to_owned(), vec![(x / arm, v / arm)])
+            (s.record.clone(), vec![(x / arm, v / arm)])
         });
         Ok(Self {
             name: "bench".to_owned(),

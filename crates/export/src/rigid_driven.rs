@@ -41,7 +41,8 @@ impl RigidRobot {
             joints.push(made);
         }
         if let Some((name, start)) = robot.starts.first() {
-            let of: Vec<String> = start.iter().map(|s| format!("{} at {}/s", num(s.0), num(s.1))).collect();
+            let of: Vec<String> =
+                start.iter().map(|s| format!("position {}, speed {}", num(s.0), num(s.1))).collect();
             notes.push(Note::lost(format!("start of the run {name}"), of.join(", ")));
         }
         notes.extend(of_the_robot(robot));

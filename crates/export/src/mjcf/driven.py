@@ -34,10 +34,10 @@ class Drive:
         rotor = self.model.dof_armature[self.rate] * data.qacc[self.rate]
         return (self.through[self.rate] - rotor + data.qfrc_bias[self.rate]) / self.arm
 
-    def command(self, data):
-        """The command that is in force."""
+    def command(self, data, ahead_s=0.0):
+        """The command that is in force, or will be so soon."""
         if self.late:
-            return mujoco.mj_readCtrl(self.model, data, self.motor, data.time, self.buffer, 1)[0]
+            return mujoco.mj_readCtrl(self.model, data, self.motor, data.time + ahead_s, self.buffer, 1)[0]
         return data.ctrl[self.motor]
 
     def rub(self, data):

@@ -23,7 +23,9 @@ class Servo(Winding):
         return self.force(min(max(volts, -most), most), y_dot)
 
     def asked(self, data, y, y_dot):
-        return self.supply_v * self.duty(self.command(data), y, y_dot, data.time)
+        # The file's delay is half a step longer, for the mean over a step: a loop that samples sees the command itself.
+        ahead_s = 0.0 if self.period_s is None else 0.5 * self.model.opt.timestep
+        return self.supply_v * self.duty(self.command(data, ahead_s), y, y_dot, data.time)
 
     def duty(self, goal, y, y_dot, time):
         """What the loop makes of the goal and of the motion that it sees."""
