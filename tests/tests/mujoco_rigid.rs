@@ -67,10 +67,6 @@ fn nominal(model: &dyn Model) -> Vec<f64> {
     model.parameters().iter().map(|p| p.value).collect()
 }
 
-/// What MuJoCo's fall may depart from ours for a loop that samples: its samples and the rows of the goal come together, and
-/// the delayed goal is a row old where rounding puts the one before the other, 1 ms of some 200 in which the goal turns.
-const SAMPLED: f64 = 0.05;
-
 /// One comparison: a channel's truth, and what our simulator and MuJoCo show of it without and with the effects.
 struct Case {
     name: &'static str,
@@ -126,9 +122,7 @@ fn on_pendulum(
     let (plain, with) = (on_bench(&spec, bench, start, &[]), on_bench(&spec, bench, start, effects));
     let truth = fine(&with, &record, "joint_angle_rad");
     let (ours, jobs) = pair([&plain, &with], &record, "joint_angle_rad");
-    let sampled = with.spec().servo.as_ref().is_some_and(|servo| servo.rate_hz.is_some());
-    let most = if sampled { SAMPLED } else { 0.02 };
-    (Case { name, channel: "joint_angle_rad", truth, ours, most }, jobs)
+    (Case { name, channel: "joint_angle_rad", truth, ours, most: 0.02 }, jobs)
 }
 
 fn robot() -> (Case, [BenchJob; 2]) {

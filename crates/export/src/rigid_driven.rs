@@ -16,6 +16,9 @@ const LEAST_SHARE: f64 = 1e-6;
 impl RigidRobot {
     pub fn of_driven(robot: &DrivenRobot, reach: Reach) -> Self {
         let mut notes = vec![Note::lost("sensors", "they are the simulator's own")];
+        if reach != Reach::Armature {
+            notes.push(Note::near("rotors", "inertia of the links that they move, which turns with these"));
+        }
         let mut links = robot.robot.links.clone();
         let mut joints = Vec::new();
         for joint in &robot.robot.joints {

@@ -62,7 +62,7 @@ const ARM: &str = "robot = \"arm.urdf\"
 actuator = \"drive.toml\"
 [[effect]]
 id = \"shoulder/coulomb-friction\"
-parameters = { torque_nm = 0.2 }
+parameters = { force_nm = 0.2 }
 [[effect]]
 id = \"elbow/load-dependent-friction\"
 parameters = { coefficient = 0.05 }
