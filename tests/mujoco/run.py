@@ -2,8 +2,9 @@
 
     python run.py JOB.json OUT.json
 
-JOB.json has `benches`: a list of {xml, python, runs}, each run {control, step_s, per_row}: the command of
-every step (MuJoCo may take several in one), and how many steps there are from one row to the next. OUT.json has, for each bench and run, the channels by name, one value a row. JOB.json may have
+JOB.json has `benches`: a list of {xml, python, runs}, each run {controls, step_s, per_row, key}: by
+actuator the command of every step (MuJoCo may take several in one), how many steps there are from one row to the next, and the
+key where it begins. OUT.json has, for each bench and run, the channels by name, one value a row. JOB.json may have
 `legs`: a list of {file, steps}, files of MJCF or URDF; OUT.json then has for each its mass in kg, its number of degrees of
 freedom and actuators, the height of its first
 body at every one of so many steps from the key 'start', the greatest joint speed, and the joints' positions at the end.
@@ -30,13 +31,17 @@ def bench_run(item, run):
     mujoco.set_mjcb_passive(None)
     model = mujoco.MjModel.from_xml_path(item["xml"])
     data = mujoco.MjData(model)
-    bench = loaded(item["python"]).Bench(model)
+    if run["key"] is not None:
+        mujoco.mj_resetDataKeyframe(model, data, model.key(run["key"]).id)
+    beside = loaded(item["python"])
+    bench = beside.Robot(model) if hasattr(beside, "Robot") else beside.Bench(model)
     dense = bool(bench.stages)
     show = bench.sense if dense else bench.channels
     rows = [show(data)]
     finer = round(run["step_s"] / model.opt.timestep)
-    for step, control in enumerate(run["control"], 1):
-        data.ctrl[0] = control
+    actuators = [model.actuator(name).id for name in run["controls"]]
+    for step, controls in enumerate(zip(*run["controls"].values()), 1):
+        data.ctrl[actuators] = controls
         for _ in range(finer):
             mujoco.mj_step(model, data)
             if dense:

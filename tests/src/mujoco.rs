@@ -1,8 +1,11 @@
 //! MuJoCo as a judge of exported models: where its Python is, and what its simulation shows of a bench.
 
-use sealegs_actuator::bench::BenchModel;
+use sealegs_actuator::bench::{Bench, BenchModel, OUTPUTS};
 use sealegs_actuator::plant::{Grid, mean_per_step};
+use sealegs_actuator::spec::ParameterSpec;
+use sealegs_actuator::{ActuatorSpec, Kind};
 use sealegs_export::{Exported, Format};
+use sealegs_leg::bench::RobotModel;
 use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter, Prediction, Record, Signal};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -63,8 +66,21 @@ fn found(folder: &Path) -> Option<PathBuf> {
 pub struct BenchJob {
     /// What was exported as MJCF.
     pub exported: Exported,
-    /// For each run the control of every step, the step in s, and the steps from one row to the next.
-    pub runs: Vec<(Vec<f64>, f64, usize)>,
+    /// The runs.
+    pub runs: Vec<RunJob>,
+}
+
+/// A run of a bench or a robot.
+#[derive(Serialize)]
+pub struct RunJob {
+    /// The control of every step, by actuator.
+    pub controls: BTreeMap<String, Vec<f64>>,
+    /// The step, s.
+    pub step_s: f64,
+    /// Steps from one row to the next.
+    pub per_row: usize,
+    /// The key where it begins; at rest at zero if `None`.
+    pub key: Option<String>,
 }
 
 /// What MuJoCo says of a leg.
@@ -98,14 +114,7 @@ struct Job {
 struct BenchFiles {
     xml: PathBuf,
     python: PathBuf,
-    runs: Vec<RunOf>,
-}
-
-#[derive(Serialize)]
-struct RunOf {
-    control: Vec<f64>,
-    step_s: f64,
-    per_row: usize,
+    runs: Vec<RunJob>,
 }
 
 #[derive(Serialize)]
@@ -138,9 +147,7 @@ pub fn run(python: &Path, benches: Vec<BenchJob>, legs: &[(&str, &str, usize)]) 
         let (xml, beside) = (at(format!("bench_{i}.xml")), at(format!("bench_{i}.py")));
         write(&xml, &bench.exported.text);
         write(&beside, &bench.exported.beside[0].1);
-        let of = |(control, step_s, per_row)| RunOf { control, step_s, per_row };
-        let runs = bench.runs.into_iter().map(of).collect();
-        job.benches.push(BenchFiles { xml, python: beside, runs });
+        job.benches.push(BenchFiles { xml, python: beside, runs: bench.runs });
     }
     for (name, text, steps) in legs {
         let file = at((*name).to_owned());
@@ -161,7 +168,8 @@ pub fn run(python: &Path, benches: Vec<BenchJob>, legs: &[(&str, &str, usize)]) 
     (benches.collect(), answer.legs)
 }
 
-/// A bench as MJCF with the commands of these records, each held as the model's file says of the logger.
+/// A bench as MJCF with the commands of these records, each held as the model's file says of the logger. A drive without a
+/// spring begins where its run does, on the run's own rig.
 ///
 /// # Panics
 ///
@@ -170,17 +178,55 @@ pub fn run(python: &Path, benches: Vec<BenchJob>, legs: &[(&str, &str, usize)]) 
 pub fn job(model: &BenchModel, records: &[&Record]) -> BenchJob {
     let value = |name: &str| model.parameters().iter().find(|p| p.name == name).map_or(0.0, |p| p.value);
     let (lead, skew) = (value("command_lead") > 0.5, value("clock_skew"));
-    let control = |record: &&Record| {
-        let grid = Grid::covering(&record.time_s, sealegs_actuator::bench::DEFAULT_STEP_S);
-        let period = record.mean_period_s();
-        let late = (skew - if lead { 1.0 } else { 0.0 }) * period;
-        let times: Vec<f64> = record.time_s.iter().map(|t| t + late).collect();
-        let control = mean_per_step(&times, &record.inputs[0].values, record.hold, &[], &grid);
-        (control, grid.step_s, (period / grid.step_s).round() as usize)
+    let actuator = match (model.spec().is_rigid(), model.bench(), model.spec().kind) {
+        (false, ..) => "motor",
+        (true, Bench::Pendulum(_), _) => "lever",
+        (true, _, Kind::Linear) => "carriage",
+        (true, _, Kind::Rotary) => "shaft",
     };
     let input = &records[0].inputs[0].channel;
-    let exported = sealegs_export::bench(Format::Mjcf, model, input, "bench").expect("a bench");
-    BenchJob { exported, runs: records.iter().map(control).collect() }
+    let run = Some(records[0].name.as_str()).filter(|name| model.run(name).is_some());
+    let exported = sealegs_export::on_run(Format::Mjcf, model, input, run, "bench").expect("a bench");
+    let of = |record: &&Record| RunJob {
+        key: run.map(|_| record.name.clone()),
+        ..run_job(record, &[(actuator, input)], (lead, skew))
+    };
+    BenchJob { exported, runs: records.iter().map(of).collect() }
+}
+
+/// A robot with torque drives as MJCF with the torques of these records, whose starts the model must know.
+///
+/// # Panics
+///
+/// If the model cannot be exported.
+#[must_use]
+pub fn robot_job(model: &RobotModel, records: &[&Record]) -> BenchJob {
+    let values = model.nominal();
+    let joints = model.driven_joints(&values);
+    let commands: Vec<(&str, &String)> = joints.iter().map(|j| (j.name, &j.command)).collect();
+    let exported = sealegs_export::robot(Format::Mjcf, model, "robot").expect("a robot");
+    let of = |record: &&Record| RunJob {
+        key: Some(record.name.clone()),
+        ..run_job(record, &commands, (false, 0.0))
+    };
+    BenchJob { exported, runs: records.iter().map(of).collect() }
+}
+
+fn run_job(record: &Record, commands: &[(&str, &String)], (lead, skew): (bool, f64)) -> RunJob {
+    let grid = Grid::covering(&record.time_s, sealegs_actuator::bench::DEFAULT_STEP_S);
+    let period = record.mean_period_s();
+    let late = (skew - if lead { 1.0 } else { 0.0 }) * period;
+    let times: Vec<f64> = record.time_s.iter().map(|t| t + late).collect();
+    let control = |(actuator, channel): &(&str, &String)| {
+        let values = record.input(channel)?;
+        Some(((*actuator).to_owned(), mean_per_step(&times, values, record.hold, &[], &grid)))
+    };
+    RunJob {
+        controls: commands.iter().filter_map(control).collect(),
+        step_s: grid.step_s,
+        per_row: (period / grid.step_s).round() as usize,
+        key: None,
+    }
 }
 
 /// What another simulator has shown for each record, as a model without parameters.
@@ -234,4 +280,37 @@ impl Model for Played {
     fn clone_box(&self) -> Box<dyn Model> {
         Box::new(self.clone())
     }
+}
+
+/// Every sensor of a bench.
+#[must_use]
+pub fn everything() -> Excitation {
+    Excitation { measured: OUTPUTS.map(str::to_owned).to_vec(), ..Excitation::default() }
+}
+
+/// A model whose parameters have other nominal values: those that an export takes.
+///
+/// # Panics
+///
+/// For values that no file can have.
+#[must_use]
+pub fn at(model: &BenchModel, values: &[f64]) -> BenchModel {
+    let mut spec: ActuatorSpec = model.spec().clone();
+    for (p, value) in model.parameters().iter().zip(values).filter(|(p, _)| !p.name.contains('.')) {
+        let said = spec.parameters.entry(p.name.clone()).or_default();
+        *said = ParameterSpec {
+            value: Some(*value),
+            min: Some(p.min.min(*value)),
+            max: Some(p.max.max(*value)),
+            ..ParameterSpec::default()
+        };
+    }
+    spec.effects = model.effect_specs(values, &[]);
+    BenchModel::new(spec, model.bench()).expect("a model")
+}
+
+/// Root mean square.
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, n) = values.fold((0.0, 0usize), |(sum, n), v| (sum + v * v, n + 1));
+    (sum / n as f64).sqrt()
 }

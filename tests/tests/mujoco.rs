@@ -4,17 +4,16 @@ use sealegs::campaign_model::CampaignModel;
 use sealegs::diagnosis::addition::add;
 use sealegs::mystery::trial::campaign_of;
 use sealegs_actuator::ActuatorSpec;
-use sealegs_actuator::bench::{BenchModel, OUTPUTS};
+use sealegs_actuator::bench::BenchModel;
 use sealegs_actuator::effect::{Effect, OwnEffect};
-use sealegs_actuator::spec::ParameterSpec;
 use sealegs_export::{Fate, Format};
 use sealegs_leg::robot::Robot;
 use sealegs_leg::scenario::Scenario;
-use sealegs_model::{Excitation, Model, Record, Signal};
+use sealegs_model::{Model, Record, Signal};
 use sealegs_reference::campaign::{CATALOGUE, Hidden, Individual, Made, Order, Rig, SUBSTEPS, Stamp};
 use sealegs_sysid::fit::{self, FitOptions};
 use sealegs_sysid::{Campaign, Data, Fit, Role};
-use sealegs_tests::mujoco::{BenchJob, Played, job, python, run};
+use sealegs_tests::mujoco::{BenchJob, Played, at, everything, job, python, rms, run};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -28,31 +27,6 @@ fn folder() -> &'static Path {
 fn made(rig: Rig, seed: u64, hidden: Vec<Hidden>, duration_s: f64) -> Made {
     Order { name: "made".to_owned(), rig, seed, hidden, duration_s, substeps: SUBSTEPS, rough: Vec::new() }
         .make()
-}
-
-fn everything() -> Excitation {
-    Excitation { measured: OUTPUTS.map(str::to_owned).to_vec(), ..Excitation::default() }
-}
-
-/// A model whose parameters have other nominal values: those that an export takes.
-fn at(model: &BenchModel, values: &[f64]) -> BenchModel {
-    let mut spec: ActuatorSpec = model.spec().clone();
-    for (p, value) in model.parameters().iter().zip(values).filter(|(p, _)| !p.name.contains('.')) {
-        let said = spec.parameters.entry(p.name.clone()).or_default();
-        *said = ParameterSpec {
-            value: Some(*value),
-            min: Some(p.min.min(*value)),
-            max: Some(p.max.max(*value)),
-            ..ParameterSpec::default()
-        };
-    }
-    spec.effects = model.effect_specs(values, &[]);
-    BenchModel::new(spec, model.bench()).unwrap()
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, n) = values.fold((0.0, 0usize), |(sum, n), v| (sum + v * v, n + 1));
-    (sum / n as f64).sqrt()
 }
 
 /// Root mean square difference of two simulators' signals in units of the campaign's noise.

@@ -74,3 +74,70 @@ fn what_cannot_be_exported_is_told_in_one_line_and_leaves_nothing() {
         assert_eq!(files(folder.path()), ["bad.toml"], "{arguments:?}");
     }
 }
+
+/// A rotary drive and a robot of one joint with a campaign of it.
+fn robot_campaign(folder: &Path) {
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write(
+        "drive.toml",
+        "id = \"drive\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 1.0\nrotor_inertia_kg_m2 = \
+         0.01\nrotor_damping_nm_s = 0.02\n[transmission]\ntype = \"direct\"\n",
+    );
+    write(
+        "arm.urdf",
+        "<robot name=\"arm\"><link name=\"base\"/><link name=\"tip\"><inertial><origin xyz=\"0 0 -0.2\"/><mass value=\"1\"/><inertia \
+         ixx=\"0.01\" iyy=\"0.01\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link><joint name=\"elbow\" \
+         type=\"continuous\"><parent link=\"base\"/><child link=\"tip\"/><axis xyz=\"0 1 0\"/></joint></robot>",
+    );
+    write(
+        "better.toml",
+        "robot = \"arm.urdf\"\nactuator = \"drive.toml\"\n[[effect]]\nid = \"elbow/coulomb-friction\"\n",
+    );
+    let rows: String = (0..60)
+        .map(|i| format!("{:.3},0.1,{:.4}\n", f64::from(i) * 1e-3, 0.3 + 1e-4 * f64::from(i)))
+        .collect();
+    write("a.csv", &format!("time_s,elbow.torque_nm,elbow.angle_rad\n{rows}"));
+    let head = "bench = \"robot\"\nrobot = \"arm.urdf\"\nactuator = \"drive.toml\"\n[noise_std]\n\"elbow.angle_rad\" = 1e-3\n";
+    write("campaign.toml", &format!("{head}[[run]]\nfile = \"a.csv\"\nrole = \"fit\"\n"));
+}
+
+#[test]
+fn a_campaign_and_a_robots_model_file_are_written_by_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    robot_campaign(folder.path());
+    for (arguments, held) in [
+        (vec!["HERE/campaign.toml"], "key name=\"a.csv\""),
+        (vec!["HERE"], "key name=\"a.csv\""),
+        (vec!["HERE/campaign.toml", "--model", "HERE/better.toml", "--run", "a.csv"], "frictionloss"),
+        (vec!["HERE/better.toml"], "frictionloss"),
+        (vec!["HERE/drive.toml"], "joint name=\"shaft\""),
+    ] {
+        let (status, out, error) =
+            export(folder.path(), &[&arguments[..], &["--to", "mjcf", "-o", "HERE/out.xml"]].concat());
+        assert_eq!(status, Some(0), "{arguments:?}: {error}");
+        let written = std::fs::read_to_string(folder.path().join("out.xml")).unwrap();
+        assert!(written.contains(held) && out.contains("out.py"), "{arguments:?}: {out}");
+    }
+}
+
+#[test]
+fn what_says_too_little_of_a_drive_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    robot_campaign(folder.path());
+    for (arguments, wanted) in [
+        (vec!["HERE/arm.urdf"], "says nothing of its drives"),
+        (vec!["HERE/campaign.toml", "--bench", "free"], "--bench"),
+        (vec!["HERE/campaign.toml", "--run", "b.csv"], "there are a.csv"),
+        (vec!["HERE/better.toml", "--run", "a.csv"], "--run"),
+        (vec!["HERE/drive.toml", "--model", "HERE/better.toml"], "--model"),
+        (vec!["HERE/drive.toml", "--bench", "pendulum"], "length_m"),
+        (vec!["HERE/drive.toml", "--bench", "locked"], "drive.toml"),
+        (vec!["HERE/drive.toml", "--input", "voltage"], "takes no voltage_v"),
+    ] {
+        let (status, out, error) =
+            export(folder.path(), &[&arguments[..], &["--to", "mjcf", "-o", "HERE/out.xml"]].concat());
+        assert_eq!(status, Some(2), "{arguments:?}: {error}");
+        assert!(error.contains(wanted) && out.is_empty(), "{arguments:?}: {error}");
+        assert!(!folder.path().join("out.xml").exists(), "{arguments:?}");
+    }
+}

@@ -3,7 +3,7 @@
 use crate::ExportError;
 use crate::term::{Included, Term, parameters_of};
 use sealegs_actuator::bench::{Bench, BenchModel, OUTPUTS};
-use sealegs_actuator::plant::GRAVITY_M_S2;
+use sealegs_actuator::plant::{GRAVITY_M_S2, Plant};
 use sealegs_actuator::{Kind, spec::SensorSpec};
 use sealegs_model::Model;
 use std::collections::BTreeMap;
@@ -61,10 +61,9 @@ impl BenchDescription {
     pub fn of(model: &BenchModel, input: &str) -> Result<Self, ExportError> {
         let values: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
         let plant = model.plant(&values, input)?;
-        let rigid = model.spec().is_rigid();
         let output = match model.bench() {
-            Bench::Locked if !rigid => Output::Held,
-            Bench::Pendulum(rig) if !rigid && rig.rod_mass_kg == 0.0 => {
+            Bench::Locked => Output::Held,
+            Bench::Pendulum(rig) => {
                 // Of a point mass weight and inertia, as effects have changed them, tell mass and place.
                 let (is, stated) = (plant.link_2, rig.link());
                 let inertia = is.mass_kg() / stated.mass_kg();
@@ -78,13 +77,19 @@ impl BenchDescription {
             // Benches to come are refused rather than written wrongly.
             _ => return Err(ExportError::Bench { model: model.name() }),
         };
+        Ok(Self::of_plant(model, &values, &plant, input, output))
+    }
+
+    /// The numbers of a drive at parameter `values`, of which `plant` was made.
+    pub fn of_plant(model: &BenchModel, values: &[f64], plant: &Plant, input: &str, output: Output) -> Self {
         let included = |effect: sealegs_actuator::spec::EffectSpec| {
-            let parameters = parameters_of(&effect.id, model.parameters());
+            let parameters = parameters_of(&effect.id, model.parameters(), values);
             let term = Term::of(&effect.id, &parameters, effect.definition.as_ref());
             Included { id: effect.id, term }
         };
-        let value = |name: &str| model.parameters().iter().find(|p| p.name == name).map_or(0.0, |p| p.value);
-        Ok(Self {
+        let value =
+            |name: &str| model.parameters().iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
+        Self {
             name: model.name(),
             kind: model.spec().kind,
             input: input.to_owned(),
@@ -99,10 +104,10 @@ impl BenchDescription {
             gravity_m_s2: GRAVITY_M_S2,
             output,
             channels: OUTPUTS.into_iter().filter(|c| model.predicts(c)).collect(),
-            effects: model.effect_specs(&values, &[]).into_iter().map(included).collect(),
+            effects: model.effect_specs(values, &[]).into_iter().map(included).collect(),
             sensors: model.spec().sensors.clone(),
             logger: (value("command_lead") > 0.5, value("clock_skew")),
-        })
+        }
     }
 
     /// The terms with their ids.

@@ -16,7 +16,8 @@ pub enum ExportError {
     },
     /// A bench that no writer knows.
     #[error(
-        "{model} on its bench cannot be exported; an actuator with a spring can, locked or on a pendulum whose rod has no mass"
+        "{model} on its bench cannot be exported; an actuator with a spring can, locked or on a pendulum whose rod has no mass, and a \
+         drive without one, free or on a pendulum"
     )]
     Bench {
         /// The model's name.

@@ -32,7 +32,7 @@ pub fn write(robot: &RigidRobot, stem: &str) -> Exported {
     out.push_str(&head(&format!("{} for Isaac Lab 3, written by sealegs", robot.title), &notes).join("\n"));
     let _ = write!(
         out,
-        "\n\nEfforts are commanded: stiffness and damping of a drive are those of a spring, where there is one.\n\"\"\"\n\nfrom pathlib \
+        "\n\nEfforts are commanded: stiffness and damping of a drive are those of a spring or of a servo's own loop, where there is one.\n\"\"\"\n\nfrom pathlib \
          import Path\n\nimport isaaclab.sim as sim_utils\nfrom isaaclab.actuators import DCMotorCfg, DelayedPDActuatorCfg, \
          ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n\n# The physics step for which delays are counted, \
          s.\nPHYSICS_DT_S = {}\n\nROBOT_CFG = ArticulationCfg(\n    spawn=sim_utils.UrdfFileCfg(\n        \
@@ -62,7 +62,7 @@ fn steps(drive: &JointDrive) -> u64 {
 fn actuator(out: &mut String, joint: &RigidJoint, drive: &JointDrive) {
     let mut fields = vec![
         ("stiffness", num(drive.spring)),
-        ("damping", "0.0".to_owned()),
+        ("damping", if drive.derivative == 0.0 { "0.0".to_owned() } else { num(drive.derivative) }),
         ("armature", num(drive.armature)),
         ("friction", num(drive.friction_at_rest.max(joint.friction))),
         ("dynamic_friction", num(joint.friction)),

@@ -1,8 +1,24 @@
 //! What becomes of an effect in a format that has drives at joints only.
 
 use crate::Note;
+use crate::driven::DrivenRobot;
 use crate::rigid::Reach;
 use crate::term::Term;
+
+/// What a robot of driven joints has or leaves out in every format.
+pub fn of_the_robot(robot: &DrivenRobot) -> Vec<Note> {
+    let mut notes = Vec::new();
+    if robot.links_fitted {
+        notes.push(Note::held("links", "masses, centres and moments as they were fitted"));
+    }
+    let rubbing: Vec<&str> =
+        robot.robot.joints.iter().filter(|j| j.friction > 0.0).map(|j| j.name.as_str()).collect();
+    if !rubbing.is_empty() {
+        let how = format!("at {}: the model's friction is that of its effects", rubbing.join(", "));
+        notes.push(Note::lost("friction in the URDF", how));
+    }
+    notes
+}
 
 /// What becomes of an effect at a joint; `rigid` where the spring is left out.
 pub fn note(id: &str, term: &Term, reach: Reach, rigid: bool) -> Note {

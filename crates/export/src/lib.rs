@@ -1,6 +1,7 @@
-//! A bench or a leg as a file of other people's simulators, and what that format cannot hold.
+//! A bench, a leg or a robot as a file of other people's simulators, and what that format cannot hold.
 //!
-//! [`bench()`] writes an actuator on a test bench, [`leg()`] a whole leg, each in one of four [`Format`]s. The text comes
+//! [`bench()`] writes an actuator on a test bench, [`leg()`] a whole leg, [`robot()`] a robot with torque drives, each in one
+//! of four [`Format`]s. The text comes
 //! with its [`Note`]s: for every effect whether the file holds it, a Python callback beside the file adds it, or it is
 //! lost. The same notes stand as comments at the head of the file.
 //!
@@ -8,6 +9,7 @@
 //! side), forces inside the actuator are positive in compression, the screw's extension `y` lengthens the actuator.
 
 mod bench;
+mod driven;
 mod error;
 mod isaaclab;
 mod joint_note;
@@ -15,6 +17,7 @@ mod leg;
 mod mjcf;
 mod note;
 mod rigid;
+mod rigid_driven;
 mod rigid_leg;
 mod sdf;
 mod term;
@@ -25,6 +28,7 @@ pub use error::ExportError;
 pub use note::{Fate, Note};
 
 use sealegs_actuator::bench::BenchModel;
+use sealegs_leg::bench::RobotModel;
 use sealegs_leg::scenario::Scenario;
 use std::fmt;
 use std::str::FromStr;
@@ -93,7 +97,25 @@ pub struct Exported {
 /// [`ExportError::Bench`] for a bench that no writer knows, [`ExportError::Stem`], or [`ExportError::Model`] for values
 /// that no actuator can have.
 pub fn bench(format: Format, model: &BenchModel, input: &str, stem: &str) -> Result<Exported, ExportError> {
+    on_run(format, model, input, None, stem)
+}
+
+/// As [`bench()`], with the rig, the start and the servo's gain of one of the model's runs, by its record's name.
+///
+/// # Errors
+///
+/// As [`bench()`].
+pub fn on_run(
+    format: Format,
+    model: &BenchModel,
+    input: &str,
+    run: Option<&str>,
+    stem: &str,
+) -> Result<Exported, ExportError> {
     text::check_stem(stem)?;
+    if model.spec().is_rigid() {
+        return Ok(driven(format, &driven::DrivenRobot::of_bench(model, input, run)?, stem));
+    }
     let bench = bench::BenchDescription::of(model, input)?;
     Ok(match format {
         Format::Mjcf => mjcf::bench::write(&bench, stem),
@@ -103,6 +125,26 @@ pub fn bench(format: Format, model: &BenchModel, input: &str, stem: &str) -> Res
             isaaclab::write(&rigid::RigidRobot::of_bench(&bench, rigid::Reach::Armature), stem)
         }
     })
+}
+
+/// Writes a robot with torque drives, with its nominal values and the effects of its file; `stem` as for [`bench()`].
+///
+/// # Errors
+///
+/// [`ExportError::Stem`], or [`ExportError::Model`] for values that no drive can have.
+pub fn robot(format: Format, model: &RobotModel, stem: &str) -> Result<Exported, ExportError> {
+    text::check_stem(stem)?;
+    Ok(driven(format, &driven::DrivenRobot::of_robot(model)?, stem))
+}
+
+fn driven(format: Format, robot: &driven::DrivenRobot, stem: &str) -> Exported {
+    use rigid::{Reach, RigidRobot};
+    match format {
+        Format::Mjcf => mjcf::driven::write(robot, stem),
+        Format::Urdf => urdf::write(&RigidRobot::of_driven(robot, Reach::Body), stem),
+        Format::Sdf => sdf::write(&RigidRobot::of_driven(robot, Reach::Spring), stem),
+        Format::IsaacLab => isaaclab::write(&RigidRobot::of_driven(robot, Reach::Armature), stem),
+    }
 }
 
 /// Writes the leg of a scenario with the effects that the scenario and its actuators' files name; `stem` as for

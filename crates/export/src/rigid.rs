@@ -29,6 +29,8 @@ pub enum Reach {
 pub struct JointDrive {
     /// Stiffness of a spring about zero.
     pub spring: f64,
+    /// Torque per speed that a drive's own loop takes.
+    pub derivative: f64,
     /// Inertia of rotors, brought to the joint.
     pub armature: f64,
     /// Friction at rest, where it is greater than in motion.
@@ -160,6 +162,7 @@ pub fn driven(bench: &BenchDescription, arm: f64, armature: f64) -> JointDrive {
     });
     JointDrive {
         spring: 0.0,
+        derivative: 0.0,
         armature,
         friction_at_rest: bench.sum(Term::dry_friction).max(moving_friction(bench)) * arm,
         delay_s: bench.delay_s(),

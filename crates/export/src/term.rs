@@ -112,8 +112,16 @@ pub enum Term {
     },
     /// Another load: written as the lever's mass and length.
     Load,
-    /// What a drive's bridge, supply or own loop does: the files written here begin at the current.
-    BeforeCurrent,
+    /// A duty below which the bridge gives no voltage.
+    DeadZone {
+        duty: f64,
+    },
+    /// The supply's own resistance.
+    Sag {
+        resistance: f64,
+    },
+    /// Age of the position that a servo's loop sees, beside what its file says.
+    FeedbackDelay,
     Wobbling {
         mass: f64,
         radius: f64,
@@ -188,7 +196,9 @@ impl Term {
             ("output-offset", &[force]) => Self::OutputOffset { force },
             ("cable-stiffness", &[stiffness, rest]) => Self::Cable { stiffness, rest },
             ("load-mismatch", &[_, _]) => Self::Load,
-            ("pwm-dead-zone" | "supply-sag" | "feedback-delay", &[_]) => Self::BeforeCurrent,
+            ("pwm-dead-zone", &[duty]) => Self::DeadZone { duty },
+            ("supply-sag", &[resistance]) => Self::Sag { resistance },
+            ("feedback-delay", &[_]) => Self::FeedbackDelay,
             ("wobbling-mass", &[mass, radius, frequency_hz, ratio]) => {
                 Self::Wobbling { mass, radius, frequency_hz, ratio }
             }
@@ -240,11 +250,11 @@ pub fn python(law: &str) -> String {
     law.replace('^', "**")
 }
 
-/// The parameters of one effect by its own names, out of a model's parameters and their values.
-pub fn parameters_of(id: &str, all: &[Parameter]) -> Vec<(String, f64)> {
+/// The parameters of one effect by its own names, out of a model's parameters and their `values`.
+pub fn parameters_of(id: &str, all: &[Parameter], values: &[f64]) -> Vec<(String, f64)> {
     let own =
         |p: &Parameter| p.name.strip_prefix(id).and_then(|rest| rest.strip_prefix('.')).map(str::to_owned);
-    all.iter().filter_map(|p| own(p).map(|name| (name, p.value))).collect()
+    all.iter().zip(values).filter_map(|(p, value)| own(p).map(|name| (name, *value))).collect()
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ pub fn escaped(text: &str) -> String {
 }
 
 /// A line of a comment: no control characters, and none of what ends a comment of XML or a Python string.
-fn comment_line(text: &str) -> String {
+pub fn comment_line(text: &str) -> String {
     let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     plain.replace("--", "- -").replace("\"\"\"", "'''").replace('\\', "/")
 }

@@ -166,6 +166,12 @@ impl BenchModel {
         Ok(self)
     }
 
+    /// The same model on another bench that its runs have, see [`RunSetup::bench`].
+    #[must_use]
+    pub fn on(&self, bench: Bench) -> Self {
+        Self { bench, ..self.clone() }
+    }
+
     /// What a run has of its own, if anything.
     #[must_use]
     pub fn run(&self, record: &str) -> Option<&RunSetup> {

@@ -47,7 +47,7 @@ pub enum Verb {
     Diagnose(diagnose::Diagnose),
     /// Add an effect to a model, refit it on a campaign and write the better model.
     Add(add::Add),
-    /// Write a bench or a leg for MuJoCo, ROS, Isaac Lab or Gazebo, and say what that format cannot hold.
+    /// Write a bench, a leg or a robot for MuJoCo, ROS, Isaac Lab or Gazebo, and say what that format cannot hold.
     Export(export::Export),
     /// Make a campaign with something hidden in it, to practise on.
     Mystery(mystery::MysteryArguments),

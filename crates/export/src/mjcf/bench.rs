@@ -9,6 +9,7 @@
 //! MuJoCo keeps the part of a tendon's armature between two joints only where one carries the other: the screw's body
 //! therefore hangs on the lever, and slides along the lever's axis, where the lever does not move it.
 
+use super::driven::constant;
 use super::{STEP_S, bench_notes, callback, delayed, holding};
 use crate::Exported;
 use crate::bench::{BenchDescription, Output};
@@ -146,7 +147,7 @@ fn bodies(o: &mut String, bench: &BenchDescription) {
 }
 
 /// A cable across the lever's joint, as attributes of the joint: with its rest as the joint's `springref`.
-fn cable(bench: &BenchDescription) -> String {
+pub fn cable(bench: &BenchDescription) -> String {
     let cables = || {
         bench.terms().filter_map(|(_, t)| match *t {
             Term::Cable { stiffness, rest } if stiffness > 0.0 => Some((stiffness, rest)),
@@ -161,16 +162,12 @@ fn cable(bench: &BenchDescription) -> String {
     format!(" stiffness=\"{}\" springref=\"{}\"", num(total), num(rest))
 }
 
-/// A constant torque on the lever, as an actuator that follows no control.
-fn offset(bench: &BenchDescription) -> String {
-    let torque = bench.sum(|t| if let Term::OutputOffset { force } = t { Some(*force) } else { None });
-    if torque == 0.0 {
-        return String::new();
-    }
-    let bias = nums(&[torque, 0.0, 0.0]);
-    format!(
-        "    <general name=\"output_offset\" joint=\"lever\" gainprm=\"0\" biastype=\"affine\" biasprm=\"{bias}\"/>\n"
-    )
+/// A constant effort on the output, as an actuator that follows no control.
+pub fn offset(bench: &BenchDescription, name: &str, joint: &str) -> String {
+    let effort = bench.sum(|t| if let Term::OutputOffset { force } = t { Some(*force) } else { None });
+    let mut text = String::new();
+    constant(&mut text, name, joint, effort);
+    text
 }
 
 fn wobbling(o: &mut String, bench: &BenchDescription) {
@@ -291,7 +288,7 @@ fn drive(o: &mut String, bench: &BenchDescription) {
     for (_, term) in bench.terms() {
         o.push_str(&cogging(bench, term, "cogging", "screw"));
     }
-    o.push_str(&offset(bench));
+    o.push_str(&offset(bench, "output_offset", "lever"));
     let _ = writeln!(o, "  </actuator>");
 }
 

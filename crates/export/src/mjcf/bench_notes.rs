@@ -6,6 +6,8 @@ use crate::Note;
 use crate::bench::BenchDescription;
 use crate::term::Term;
 use crate::text::{module, num};
+use sealegs_actuator::spec::SensorSpec;
+use std::collections::BTreeMap;
 
 /// What became of everything that the model includes.
 pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
@@ -74,7 +76,9 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
             }
             Term::Cable { .. } => Note::held(id, "stiffness and springref of the joint 'lever'"),
             Term::Load => Note::held(id, "mass and place of the body 'lever'"),
-            Term::BeforeCurrent => Note::lost(id, "the motor of this file takes a current, not a voltage"),
+            Term::DeadZone { .. } | Term::Sag { .. } | Term::FeedbackDelay => {
+                Note::lost(id, "the motor of this file takes a current, not a voltage")
+            }
             Term::Wobbling { .. } => Note::held(id, "body 'wobbling_mass' on the lever"),
             Term::Own(own) if matches!(own.acts_on.as_str(), "rotor" | "drive" | "spring" | "output") => {
                 callback("your law as a force")
@@ -82,13 +86,19 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
             Term::Own(_) | Term::Unknown => Note::lost(id, "this writer does not know the effect"),
         });
     }
-    if bench.sensors.values().any(|s| s.gain.is_some() || s.bias.is_some()) {
+    notes.extend(of_the_log(&bench.sensors, bench.logger));
+    notes
+}
+
+/// What belongs to the log and its sensors, and stays in the model's file.
+pub fn of_the_log(sensors: &BTreeMap<String, SensorSpec>, (lead, skew): (bool, f64)) -> Vec<Note> {
+    let mut notes = Vec::new();
+    if sensors.values().any(|s| s.gain.is_some() || s.bias.is_some()) {
         notes.push(Note::lost(
             "gain and bias of the sensors",
             "they stay in the model file: measured = gain true + bias",
         ));
     }
-    let (lead, skew) = bench.logger;
     if lead || skew != 0.0 {
         let lead = if lead { "a row's command acted in the period before its time stamp; " } else { "" };
         let how = format!("{lead}commands are late by {} of a period: they belong to the log", num(skew));

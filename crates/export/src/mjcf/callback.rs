@@ -10,7 +10,7 @@ use crate::text::{head, module, num};
 use std::fmt::Write;
 
 /// Functions of a user's own law that Python's `math` calls otherwise or has not.
-const PRELUDE: &str = "from math import atan, cos, exp, pi, sin, sqrt, tan, tanh  # noqa: F401
+pub const PRELUDE: &str = "from math import atan, cos, exp, pi, sin, sqrt, tan, tanh  # noqa: F401
 from math import log as ln  # noqa: F401
 
 import mujoco
@@ -38,7 +38,7 @@ pub fn python(bench: &BenchDescription, stem: &str, notes: &[Note]) -> String {
          data.ctrl[0] = 1.0  # {}\n    mujoco.mj_step(model, data)\n    bench.channels(data)\n\"\"\"\n\n{PRELUDE}\n",
         bench.input
     );
-    stages::write(&mut out, bench);
+    stages::write(&mut out, &[(bench, bench.channels.iter().map(|c| (*c, *c)).collect())]);
     out.push_str("\nclass Bench:\n    \"\"\"The bench's sensors, and its callbacks.\"\"\"\n\n");
     opening(&mut out, bench);
     forces(&mut out, bench);
@@ -95,7 +95,7 @@ fn slips(bench: &BenchDescription) -> Option<f64> {
     })
 }
 
-fn quantisation(bench: &BenchDescription) -> Option<(f64, f64)> {
+pub fn quantisation(bench: &BenchDescription) -> Option<(f64, f64)> {
     bench.find(|t| match *t {
         Term::Quantisation { count, rounding } if count > 0.0 => Some((count, rounding)),
         _ => None,
@@ -107,7 +107,7 @@ fn warms(bench: &BenchDescription) -> bool {
 }
 
 fn has_passive(bench: &BenchDescription) -> bool {
-    !drive_limits(bench).is_empty()
+    !drive_limits(bench, None).is_empty()
         || ["rotor", "spring", "output"].iter().any(|p| own(bench, p).next().is_some())
 }
 
@@ -257,7 +257,7 @@ fn passive(out: &mut String, bench: &BenchDescription) {
         out.push_str(&evaluated(law, "law", 8));
         out.push_str("        on_screw -= law\n");
     }
-    let limits = drive_limits(bench);
+    let limits = drive_limits(bench, None);
     if !limits.is_empty() {
         let u = if bench.delay_s() > 0.0 {
             "mujoco.mj_readCtrl(model, data, 0, data.time, self.buffer, 1)[0]"

@@ -3,6 +3,7 @@
 use crate::bench::BenchDescription;
 use crate::term::{OwnLaw, Term, python};
 use crate::text::num;
+use sealegs_actuator::plant::Winding;
 use std::fmt::Write;
 
 /// The bound of the rotor's dry friction as a Python expression of `speed`, `direction`, `load()` and `self.heat`, what dry
@@ -68,8 +69,9 @@ pub fn evaluated(law: &OwnLaw, into: &str, indent: usize) -> String {
     text
 }
 
-/// Lines of the limits of the drive that depend on speed: they change `force`, the commanded one, at `y_dot`.
-pub fn drive_limits(bench: &BenchDescription) -> String {
+/// Lines of the limits of the drive that depend on speed: they change `force`, the commanded one, at `y_dot`. With a
+/// `winding` the bridge's limits are among them.
+pub fn drive_limits(bench: &BenchDescription, winding: Option<&Winding>) -> String {
     let mut text = String::new();
     for (_, term) in bench.terms() {
         match term {
@@ -81,6 +83,28 @@ pub fn drive_limits(bench: &BenchDescription) -> String {
                      min(max(force, low), high)",
                     num(*resistance),
                     bus = num(*bus)
+                );
+            }
+            Term::CommandLimit { limit } if winding.is_some() && limit.is_finite() => {
+                let most = winding.map_or(*limit, |w| w.force_per_current * limit);
+                let _ = writeln!(text, "        force = min(max(force, -{most}), {most})", most = num(most));
+            }
+            Term::DeadZone { duty } => {
+                let Some(volts) = winding.map(|w| num(duty * w.supply_v)) else { continue };
+                let _ = writeln!(
+                    text,
+                    "        asked = self.volts(force, y_dot)\n        force = self.force(asked - min(max(asked, -{volts}), \
+                     {volts}), y_dot)"
+                );
+            }
+            Term::Sag { resistance } => {
+                let Some(w) = winding else { continue };
+                let _ = writeln!(
+                    text,
+                    "        asked = self.volts(force, y_dot)\n        share = {} * (asked / {}) ** 2\n        force = \
+                     self.force((asked + share * self.constant * y_dot) / (1.0 + share), y_dot)",
+                    num(resistance / w.resistance_ohm),
+                    num(w.supply_v)
                 );
             }
             Term::Own(own) if own.acts_on == "drive" => {

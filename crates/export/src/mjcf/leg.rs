@@ -6,13 +6,14 @@
 //! other, and its force is the spring's.
 
 use super::leg_actuator::Parts;
+use super::shape::{geom, has_mesh, inertial, place, quat};
 use super::{STEP_S, holding};
 use crate::leg::LegDescription;
 use crate::term::Term;
 use crate::text::{escaped, num, nums, xml_head};
 use crate::{ExportError, Exported, Note};
 use nalgebra::Isometry3;
-use sealegs_leg::robot::{Drive, Geometry, Inertial, JointKind, Shape};
+use sealegs_leg::robot::{Drive, JointKind};
 use std::fmt::Write;
 
 /// # Errors
@@ -62,26 +63,6 @@ pub fn write(leg: &LegDescription, stem: &str) -> Result<Exported, ExportError> 
     );
     let _ = stem;
     Ok(Exported { text: out, beside: Vec::new(), notes })
-}
-
-fn quat(at: &Isometry3<f64>) -> String {
-    let q = at.rotation.quaternion();
-    nums(&[q.w, q.i, q.j, q.k])
-}
-
-fn place(at: &Isometry3<f64>) -> String {
-    format!("pos=\"{}\" quat=\"{}\"", nums(at.translation.vector.as_slice()), quat(at))
-}
-
-fn inertial(i: &Inertial) -> String {
-    let m = &i.inertia;
-    let full = [m[(0, 0)], m[(1, 1)], m[(2, 2)], m[(0, 1)], m[(0, 2)], m[(1, 2)]];
-    format!(
-        "<inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{}\"/>",
-        nums(i.com.coords.as_slice()),
-        num(i.mass_kg),
-        nums(&full)
-    )
 }
 
 /// A link with all that hangs on it; the positions of its joints at the start go into `start`, in MuJoCo's order.
@@ -154,23 +135,6 @@ fn body(o: &mut String, leg: &LegDescription, link: usize, depth: usize, start: 
     let _ = writeln!(o, "{indent}</body>");
 }
 
-fn geom(o: &mut String, indent: &str, shape: &Shape, more: &str) {
-    let (kind, size) = match &shape.geometry {
-        Geometry::Box { half } => ("box", nums(half)),
-        Geometry::Cylinder { radius_m, length_m } => ("cylinder", nums(&[*radius_m, 0.5 * length_m])),
-        Geometry::Capsule { radius_m, length_m } => ("capsule", nums(&[*radius_m, 0.5 * length_m])),
-        Geometry::Sphere { radius_m } => ("sphere", num(*radius_m)),
-        Geometry::Mesh(_) => return,
-    };
-    let color = shape.color.map_or_else(String::new, |c| format!(" rgba=\"{}\"", nums(&c)));
-    // Inertias are stated: shapes weigh nothing.
-    let _ = writeln!(
-        o,
-        "{indent}  <geom type=\"{kind}\" size=\"{size}\" {} mass=\"0\" {more}{color}/>",
-        place(&shape.origin)
-    );
-}
-
 fn notes(leg: &LegDescription) -> Vec<Note> {
     let mut notes = vec![
         Note::held(
@@ -197,8 +161,7 @@ fn notes(leg: &LegDescription) -> Vec<Note> {
     if leg.loaded_start {
         notes.push(Note::lost("start", "the springs' load: key 'start' has them unloaded"));
     }
-    let meshes = leg.robot.links.iter().flat_map(|l| l.visuals.iter().chain(&l.collisions));
-    if meshes.into_iter().any(|s| matches!(s.geometry, Geometry::Mesh(_))) {
+    if has_mesh(&leg.robot) {
         notes.push(Note::lost("meshes", "shapes only; inertias are those of the links"));
     }
     for placement in leg.robot.actuators.iter().filter(|p| p.spec.is_none()) {

@@ -3,10 +3,16 @@
 pub mod bench;
 mod bench_notes;
 mod callback;
+pub mod driven;
+mod driven_callback;
+mod driven_notes;
 mod law;
 pub mod leg;
 mod leg_actuator;
+mod shape;
 mod stages;
+
+pub use bench_notes::of_the_log;
 
 /// The longest step in the files, s: that of the project's own bench.
 const STEP_S: f64 = 1e-4;

@@ -8,7 +8,7 @@ lost         hardening-spring: the format has no element for it
 held         armature, friction: in the actuators' configurations; damping as viscous_friction
 approximate  delay at deflection: 3 steps of 0.001 s; 0 s are left over
 
-Efforts are commanded: stiffness and damping of a drive are those of a spring, where there is one.
+Efforts are commanded: stiffness and damping of a drive are those of a spring or of a servo's own loop, where there is one.
 """
 
 from pathlib import Path

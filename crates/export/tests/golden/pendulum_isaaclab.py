@@ -9,7 +9,7 @@ lost         series-compliance: the format has no element for it
 lost         sensor-lag@force_1_n: sensors are the simulator's own
 held         armature, friction: in the actuators' configurations; damping as viscous_friction
 
-Efforts are commanded: stiffness and damping of a drive are those of a spring, where there is one.
+Efforts are commanded: stiffness and damping of a drive are those of a spring or of a servo's own loop, where there is one.
 """
 
 from pathlib import Path

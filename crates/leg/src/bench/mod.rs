@@ -10,6 +10,7 @@
 //! log does: each joint's position and speed by a parabola through the first rows, the position alone zero where it was
 //! not logged. Friction that the URDF states is not taken: `coulomb-friction` is found, or named by the file.
 
+mod described;
 mod file;
 mod joint;
 mod links;
@@ -18,5 +19,6 @@ mod observed;
 mod simulate;
 mod tree;
 
+pub use described::DrivenJoint;
 pub use file::RobotFile;
 pub use model::RobotModel;

@@ -39,14 +39,15 @@ const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 pub struct RobotModel {
     file: Arc<RobotFile>,
     name: String,
-    tree: Tree,
-    joints: Vec<Joint>,
-    links: Vec<LinkParameters>,
-    parameters: Vec<Parameter>,
+    pub(super) robot: Arc<Robot>,
+    pub(super) tree: Tree,
+    pub(super) joints: Vec<Joint>,
+    pub(super) links: Vec<LinkParameters>,
+    pub(super) parameters: Vec<Parameter>,
     /// Included effects: the joint and the id there.
     included: Vec<(usize, String)>,
     /// Position and speed of every joint at the start, by the records' names.
-    starts: BTreeMap<String, Vec<(f64, f64)>>,
+    pub(super) starts: BTreeMap<String, Vec<(f64, f64)>>,
     step_s: f64,
     steps_per_sample: Option<f64>,
     /// What the joints are pulled to, under an observer.
@@ -120,6 +121,7 @@ impl RobotModel {
         let links = links::parameters(&robot, &tree, &mut parameters);
         let mut model = Self {
             name: robot.name.clone(),
+            robot: Arc::new(robot),
             tree,
             joints,
             links,

@@ -3,7 +3,7 @@
 //! Where a bench has no contact and no closed loop the joints' coordinates are all there is, and a search that simulates
 //! thousands of runs needs nothing more. Links on fixed joints are part of the body that carries them.
 
-use crate::robot::{JointKind, Robot};
+use crate::robot::{Inertial, JointKind, Robot};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// Gravitational acceleration along -z of the base, m/s^2.
@@ -102,6 +102,12 @@ impl Tree {
     /// Distance of the centre of mass of body `i` from its joint's point, m.
     pub fn com_m(&self, i: usize) -> f64 {
         self.bodies[i].com.norm()
+    }
+
+    /// Mass, centre of mass and the moments about it of body `i`, links on fixed joints included.
+    pub fn inertial(&self, i: usize) -> Inertial {
+        let body = &self.bodies[i];
+        Inertial { mass_kg: body.mass_kg, com: body.com.into(), inertia: body.inertia }
     }
 
     /// Multiplies mass, centre of mass and the moments about it of body `i`.

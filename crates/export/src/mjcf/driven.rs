@@ -1,0 +1,221 @@
+//! Drives without a spring for MuJoCo: the links as bodies, every drive as armature, losses and actuator of its joint.
+//!
+//! MuJoCo integrates the same equations as `sealegs_leg::bench` and `sealegs_actuator::plant`: in the joints' coordinates,
+//! with the rotor's reflected inertia as the joint's armature.
+
+use super::bench::{cable, cogging, drive_attributes, offset, path, screw_attributes, yielding};
+use super::shape::{geom, inertial, place};
+use super::{STEP_S, delayed, driven_callback, driven_notes};
+use crate::Exported;
+use crate::bench::BenchDescription;
+use crate::driven::{Command, DrivenJoint, DrivenRobot};
+use crate::term::Term;
+use crate::text::{escaped, module, num, nums, xml_head};
+use nalgebra::{Matrix3, Point3};
+use sealegs_leg::robot::{Inertial, Joint, JointKind};
+use std::fmt::Write;
+
+/// Least mass, kg, and moment of inertia, kg m^2, of a body that moves: MuJoCo refuses less than 1e-15.
+const LEAST: f64 = 1e-12;
+
+/// Parts of the longest step where an elastic friction yields: see [`super::bench::step_s`].
+const PARTS_FOR_YIELD: f64 = 5.0;
+
+pub fn write(robot: &DrivenRobot, stem: &str) -> Exported {
+    let notes = driven_notes::notes(robot, stem);
+    let step_s = step_s(robot);
+    let mut out = xml_head(&format!("{} for MuJoCo 4, written by sealegs", robot.title), &notes);
+    let o = &mut out;
+    let _ = writeln!(o, "<mujoco model=\"{}\">", escaped(&robot.title));
+    let _ = writeln!(o, "  <compiler angle=\"radian\" autolimits=\"true\"/>");
+    let _ = writeln!(
+        o,
+        "  <option timestep=\"{}\" integrator=\"RK4\" gravity=\"0 0 {}\" iterations=\"100\" tolerance=\"1e-12\"/>",
+        num(step_s),
+        num(-robot.gravity_m_s2)
+    );
+    let _ = writeln!(o, "  <worldbody>");
+    body(o, robot, 0, step_s, "    ");
+    let _ = writeln!(o, "  </worldbody>");
+    tendons(o, robot);
+    let _ = writeln!(o, "  <actuator>");
+    for joint in &robot.joints {
+        actuators(o, joint, step_s);
+    }
+    let _ = writeln!(o, "  </actuator>\n  <sensor>");
+    for joint in &robot.joints {
+        let name = escaped(&joint.name);
+        let _ = writeln!(
+            o,
+            "    <jointpos name=\"{name}_position\" joint=\"{name}\"/>\n    <jointvel name=\"{name}_speed\" joint=\"{name}\"/>"
+        );
+    }
+    let _ = writeln!(o, "  </sensor>");
+    keys(o, robot);
+    let _ = writeln!(o, "</mujoco>");
+    let python = driven_callback::python(robot, stem, &notes);
+    Exported { text: out, beside: vec![(format!("{}.py", module(stem)), python)], notes }
+}
+
+/// The step, s: the longest in the files, or a fine part of it where an elastic friction yields.
+pub fn step_s(robot: &DrivenRobot) -> f64 {
+    let yields = |j: &DrivenJoint| j.drive.terms().any(|(_, t)| matches!(t, Term::Presliding { .. }));
+    if robot.joints.iter().any(yields) { STEP_S / PARTS_FOR_YIELD } else { STEP_S }
+}
+
+/// A link with all that hangs on it. MuJoCo numbers joints in this order.
+fn body(o: &mut String, robot: &DrivenRobot, link: usize, step_s: f64, indent: &str) {
+    let this = &robot.robot.links[link];
+    let carrier = link.checked_sub(1).map(|j| &robot.robot.joints[j]);
+    let at = carrier.map_or_else(nalgebra::Isometry3::identity, |j| j.origin);
+    let _ = writeln!(o, "{indent}<body name=\"{}\" {}>", escaped(&this.name), place(&at));
+    let moved = carrier.and_then(|j| Some((j, &robot.joints[j.dof?])));
+    if let Some((joint, driven)) = moved {
+        joint_element(o, joint, &driven.at_joint(), step_s, indent);
+    }
+    let least = Inertial { mass_kg: LEAST, com: Point3::origin(), inertia: Matrix3::identity() * LEAST };
+    let own = this.inertial.clone().or(moved.map(|_| least));
+    if let Some(i) = own {
+        let _ = writeln!(o, "{indent}  {}", inertial(&i));
+    }
+    let still = "contype=\"0\" conaffinity=\"0\"";
+    for (shapes, group) in [(&this.visuals, 2), (&this.collisions, 3)] {
+        for shape in shapes {
+            geom(o, indent, shape, &format!("group=\"{group}\" {still}"));
+        }
+    }
+    for joint in robot.robot.joints.iter().filter(|j| j.parent == link) {
+        body(o, robot, joint.child, step_s, &format!("{indent}  "));
+    }
+    let _ = writeln!(o, "{indent}</body>");
+}
+
+fn joint_element(o: &mut String, joint: &Joint, drive: &BenchDescription, step_s: f64, indent: &str) {
+    let kind = if joint.kind == JointKind::Prismatic { "slide" } else { "hinge" };
+    let mut more = screw_attributes(drive, step_s) + &cable(drive);
+    if joint.limits.lower.is_finite() && joint.limits.upper.is_finite() {
+        let _ = write!(more, " range=\"{}\"", nums(&[joint.limits.lower, joint.limits.upper]));
+    }
+    let _ = writeln!(
+        o,
+        "{indent}  <joint name=\"{}\" type=\"{kind}\" axis=\"{}\"{more}/>",
+        escaped(&joint.name),
+        nums(joint.axis.as_slice())
+    );
+}
+
+/// Elastic frictions: springs that yield.
+fn tendons(o: &mut String, robot: &DrivenRobot) {
+    let mut inner = String::new();
+    for joint in &robot.joints {
+        let name = escaped(&joint.name);
+        for (_, term) in joint.at_joint().terms() {
+            if let Term::Presliding { force, stiffness } = *term
+                && force > 0.0
+            {
+                let (attributes, path) = (yielding(stiffness, force), path(&[(&name, 1.0)]));
+                let _ =
+                    write!(inner, "    <fixed name=\"{name}_presliding\"{attributes}>\n{path}    </fixed>\n");
+            }
+        }
+    }
+    if !inner.is_empty() {
+        let _ = write!(o, "  <tendon>\n{inner}  </tendon>\n");
+    }
+}
+
+/// The motor under the joint's own name, and what else pushes the joint.
+fn actuators(o: &mut String, joint: &DrivenJoint, step_s: f64) {
+    let (drive, name) = (joint.at_joint(), escaped(&joint.name));
+    let late = delayed(drive.delay_s(), step_s);
+    let winding = |w: &sealegs_actuator::plant::Winding| {
+        format!(
+            " gear=\"{}\" motorconst=\"{}\" resistance=\"{}\"",
+            num(joint.arm),
+            num(w.force_per_current),
+            num(w.resistance_ohm)
+        )
+    };
+    match &joint.command {
+        Command::Effort => {
+            let limit = drive.command_limit();
+            let _ = writeln!(
+                o,
+                "    <general name=\"{name}\" joint=\"{name}\"{}/>",
+                drive_attributes(&drive, limit, step_s)
+            );
+        }
+        Command::Voltage(w) => {
+            let _ = writeln!(
+                o,
+                "    <dcmotor name=\"{name}\" joint=\"{name}\" input=\"voltage\"{}{late}/>",
+                winding(w)
+            );
+            constant(o, &format!("{name}_offset"), &name, drive.offset_force);
+        }
+        Command::Goal(w, servo) => {
+            // Of the joint's own position: duty times supply over the resistance is a current, times the constant a torque.
+            let per_duty = servo.supply_v * w.force_per_current / w.resistance_ohm;
+            let (gain, most) = (per_duty * servo.proportional, per_duty * servo.duty_limit);
+            let bias = [gain * servo.goal_offset, -gain, -per_duty * servo.derivative];
+            let _ = writeln!(
+                o,
+                "    <general name=\"{name}\" joint=\"{name}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{}\" forcerange=\"{}\"{late}/>",
+                num(gain),
+                nums(&bias),
+                nums(&[-most, most])
+            );
+            let _ = writeln!(
+                o,
+                "    <dcmotor name=\"{name}_back_emf\" joint=\"{name}\" input=\"none\"{}/>",
+                winding(w)
+            );
+        }
+    }
+    for (_, term) in drive.terms() {
+        o.push_str(&cogging(&drive, term, &format!("{name}_cogging"), &name));
+    }
+    o.push_str(&offset(&drive, &format!("{name}_output_offset"), &name));
+}
+
+/// A constant effort on a joint, as an actuator that follows no control; nothing for none.
+pub fn constant(o: &mut String, name: &str, joint: &str, effort: f64) {
+    if effort != 0.0 {
+        let bias = nums(&[effort, 0.0, 0.0]);
+        let _ = writeln!(
+            o,
+            "    <general name=\"{name}\" joint=\"{joint}\" gainprm=\"0\" biastype=\"affine\" biasprm=\"{bias}\"/>"
+        );
+    }
+}
+
+/// Where the campaign's runs begin. MuJoCo's order of joints is that of the bodies.
+fn keys(o: &mut String, robot: &DrivenRobot) {
+    if robot.starts.is_empty() {
+        return;
+    }
+    let order = order(robot);
+    let _ = writeln!(o, "  <keyframe>");
+    for (name, start) in &robot.starts {
+        let of =
+            |pick: fn(&(f64, f64)) -> f64| nums(&order.iter().map(|i| pick(&start[*i])).collect::<Vec<_>>());
+        let _ = writeln!(
+            o,
+            "    <key name=\"{}\" qpos=\"{}\" qvel=\"{}\"/>",
+            escaped(name),
+            of(|s| s.0),
+            of(|s| s.1)
+        );
+    }
+    let _ = writeln!(o, "  </keyframe>");
+}
+
+/// Degrees of freedom in the order of MuJoCo's bodies, depth first.
+fn order(robot: &DrivenRobot) -> Vec<usize> {
+    let (mut order, mut open) = (Vec::new(), vec![0_usize]);
+    while let Some(link) = open.pop() {
+        order.extend(link.checked_sub(1).and_then(|j| robot.robot.joints[j].dof));
+        open.extend(robot.robot.joints.iter().filter(|j| j.parent == link).map(|j| j.child).rev());
+    }
+    order
+}

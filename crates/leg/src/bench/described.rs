@@ -1,0 +1,110 @@
+//! A robot with torque drives in parts, for whoever writes it in another format.
+
+use super::RobotModel;
+use super::joint::Column;
+use crate::robot::{Inertial, JointKind, Robot};
+use sealegs_actuator::bench::BenchModel;
+use sealegs_model::{Model, ModelError};
+
+/// A joint with its drive and the values of the drive's parameters.
+#[derive(Debug, Clone)]
+pub struct DrivenJoint<'a> {
+    /// The joint's name.
+    pub name: &'a str,
+    /// The drive on the bench `free`, whose load at the posture zero is the robot's.
+    pub drive: &'a BenchModel,
+    /// Values of the drive's parameters, in their order.
+    pub values: Vec<f64>,
+    /// The column that commands it.
+    pub command: String,
+    /// What its sensors show: the column at a drive on its own bench, and here.
+    pub channels: Vec<(&'static str, String)>,
+}
+
+impl RobotModel {
+    /// The robot as the URDF states it.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// The joints that move with their drives, for parameter `values` in the order of the model's, by degree of freedom.
+    #[must_use]
+    pub fn driven_joints(&self, values: &[f64]) -> Vec<DrivenJoint<'_>> {
+        let of = |joint: &super::joint::Joint| {
+            let shown = |column| (joint.at_drive(column), joint.channel(column));
+            (
+                joint.at.iter().map(|i| values[*i]).collect(),
+                joint.command(),
+                [Column::Position, Column::Speed].map(shown),
+            )
+        };
+        let described = self.joints.iter().map(|joint| {
+            let (values, command, channels) = of(joint);
+            let channels = channels.to_vec();
+            DrivenJoint { name: &joint.name, drive: &joint.model, values, command, channels }
+        });
+        described.collect()
+    }
+
+    /// The robot with the links' masses, centres and moments for parameter `values`. Where they are not the URDF's, the
+    /// links on fixed joints are counted to the one that carries them.
+    #[must_use]
+    pub fn robot_at(&self, values: &[f64]) -> Robot {
+        let mut robot = self.robot.as_ref().clone();
+        let mut tree = self.tree.clone();
+        self.links.iter().for_each(|link| link.apply(values, &mut tree));
+        let moving: Vec<usize> = robot.moving_joints().map(|j| j.child).collect();
+        for (body, link) in moving.into_iter().enumerate() {
+            let (is, stated) = (tree.inertial(body), self.tree.inertial(body));
+            if is == stated {
+                continue;
+            }
+            for i in self.rigidly_on(link) {
+                robot.links[i].inertial = None;
+            }
+            let Inertial { mass_kg, com, inertia } = is;
+            robot.links[link].inertial = Some(Inertial { mass_kg, com, inertia });
+        }
+        robot
+    }
+
+    /// The links that fixed joints tie to a link.
+    fn rigidly_on(&self, link: usize) -> Vec<usize> {
+        let mut tied = vec![link];
+        for joint in self.robot.joints.iter().filter(|j| j.kind == JointKind::Fixed) {
+            if tied.contains(&joint.parent) {
+                tied.push(joint.child);
+            }
+        }
+        tied
+    }
+
+    /// Names of the records whose start is known, with position and speed of every joint there (rad and rad/s, m and m/s).
+    pub fn starts(&self) -> impl Iterator<Item = (&str, &[(f64, f64)])> {
+        self.starts.iter().map(|(record, start)| (record.as_str(), start.as_slice()))
+    }
+
+    /// The same with the start of one record alone, if it is known.
+    #[must_use]
+    pub fn starting_as(mut self, record: &sealegs_model::Record) -> Self {
+        self.starts.retain(|name, _| *name == record.name);
+        self
+    }
+
+    /// The plant of a joint's drive at its values, commanded by a torque or a force.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::BadParameter`] for a value that no drive can have.
+    pub fn plant_of(joint: &DrivenJoint<'_>) -> Result<sealegs_actuator::plant::Plant, ModelError> {
+        let slides = joint.command.ends_with("force_n");
+        joint.drive.plant(&joint.values, if slides { "motor_force_n" } else { "joint_torque_nm" })
+    }
+
+    /// The nominal values, in the order of the model's parameters.
+    #[must_use]
+    pub fn nominal(&self) -> Vec<f64> {
+        self.parameters().iter().map(|p| p.value).collect()
+    }
+}
