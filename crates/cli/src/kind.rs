@@ -143,6 +143,14 @@ mod tests {
     }
 
     #[test]
+    fn names_that_come_with_the_program_are_told() {
+        let said = |name: &str| campaign(Path::new(name)).unwrap_err().to_string();
+        assert!(said("thor-drop").contains("`sealegs run thor-drop`"), "{}", said("thor-drop"));
+        assert!(said("leg-drop").contains("tour/leg-drop"), "{}", said("leg-drop"));
+        assert!(said("no-such").contains("cannot be read"), "{}", said("no-such"));
+    }
+
+    #[test]
     fn shipped_files_are_what_they_are() {
         let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
         let kind = |file: &str| Kind::of(&assets.join(file));
