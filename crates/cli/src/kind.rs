@@ -2,6 +2,7 @@
 
 use crate::failure::{OrBadInput, bad_input};
 use sealegs::Campaign;
+use sealegs::leg::scenario::preset_names;
 use std::path::Path;
 
 /// Endings of the logs that `sealegs import` reads.
@@ -91,7 +92,11 @@ impl Kind {
 /// Reads a campaign; where something else was given, one line says what that is and which command it is for.
 pub(crate) fn campaign(path: &Path) -> anyhow::Result<Campaign> {
     match Kind::of(path) {
-        None | Some(Kind::Campaign) => Campaign::read(path).or_bad_input(),
+        None => Campaign::read(path).map_err(|error| {
+            let shipped = path.to_str().and_then(shipped);
+            shipped.map_or_else(|| bad_input(error), |said| bad_input(format!("{}: {said}", path.display())))
+        }),
+        Some(Kind::Campaign) => Campaign::read(path).or_bad_input(),
         Some(other) => {
             let said = other.words(path);
             Err(bad_input(format!("{}: {said}; this command takes a campaign's folder", path.display())))
@@ -99,11 +104,21 @@ pub(crate) fn campaign(path: &Path) -> anyhow::Result<Campaign> {
     }
 }
 
-/// Refuses what is no scenario and no URDF where one of these is wanted. A path of which nothing can be said passes.
+/// What a name stands for that comes with the program and is no file here.
+fn shipped(name: &str) -> Option<String> {
+    if name == "leg-drop" {
+        return Some("no such folder; `sealegs tour` unpacks this campaign as tour/leg-drop".to_owned());
+    }
+    preset_names().contains(&name).then(|| {
+        format!("is a scenario; `sealegs run {name}` runs it; this command takes a campaign's folder")
+    })
+}
+
+/// Refuses what is no scenario where one is wanted. A path of which nothing can be said passes.
 pub(crate) fn expect_scenario(name: &str) -> anyhow::Result<()> {
     let path = Path::new(name);
     match Kind::of(path) {
-        None | Some(Kind::Scenario | Kind::Urdf) => Ok(()),
+        None | Some(Kind::Scenario) => Ok(()),
         Some(other) => Err(bad_input(format!(
             "{name}: {}; this command takes a scenario (see `sealegs list`)",
             other.words(path)
@@ -125,6 +140,14 @@ mod tests {
         assert_eq!(kind("[[actuator]]\nname = 'knee'"), Some(Kind::Placement));
         assert_eq!(kind("x = 1"), None);
         assert_eq!(kind("not toml"), None);
+    }
+
+    #[test]
+    fn names_that_come_with_the_program_are_told() {
+        let said = |name: &str| campaign(Path::new(name)).unwrap_err().to_string();
+        assert!(said("thor-drop").contains("`sealegs run thor-drop`"), "{}", said("thor-drop"));
+        assert!(said("leg-drop").contains("tour/leg-drop"), "{}", said("leg-drop"));
+        assert!(said("no-such").contains("cannot be read"), "{}", said("no-such"));
     }
 
     #[test]

@@ -113,7 +113,9 @@ fn compare_states_the_error_in_noise_units_with_and_without_a_refit() {
     let (refit, as_is) = (file("refit.json"), file("as-is.json"));
     let (html, rrd) = (file("r.html"), file("r.rrd"));
     let outputs = ["--json", &text(&refit), "--report", &text(&html), "--rrd", &text(&rrd)];
-    let done = well(&[&["compare", &text(&campaign)][..], &outputs].concat());
+    let done = well(&[&["compare", &text(&campaign), "--progress"][..], &outputs].concat());
+    let progress = String::from_utf8_lossy(&done.stderr);
+    assert!(progress.contains("refitting the model's own parameters"), "{progress}");
     assert!(!done.stdout.is_empty());
     well(&["compare", &text(&campaign), "--as-is", "--json", &text(&as_is)]);
     assert_eq!(files(folder.path()), ["as-is.json", "friction-0", "r.html", "r.rrd", "refit.json"]);

@@ -41,6 +41,20 @@ fn what_it_writes_is_a_campaign_that_can_be_read() {
 }
 
 #[test]
+fn logs_and_campaign_can_be_moved_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let [old, new] = ["old", "new"].map(|name| folder.path().join(name));
+    std::fs::create_dir_all(old.join("logs")).unwrap();
+    let file = old.join("logs/run.csv");
+    std::fs::copy(log("semicolon.csv"), &file).unwrap();
+    said(&["import", text(&file), "-o", text(&old.join("knee"))]);
+    std::fs::rename(&old, &new).unwrap();
+    let written = std::fs::read_to_string(new.join("knee/campaign.toml")).unwrap();
+    assert!(written.contains("file = \"../logs/run.csv\""), "{written}");
+    assert_eq!(Campaign::read(&new.join("knee")).unwrap().runs[0].record.len(), 40);
+}
+
+#[test]
 fn topics_joints_and_faults_are_shown() {
     let told = said(&["import", text(&log("bag.mcap"))]);
     for words in

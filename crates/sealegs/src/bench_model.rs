@@ -182,10 +182,7 @@ impl CampaignModel for BenchModel {
                 }
             }
         }
-        let mut with_them = self.clone();
-        for effect in &added.effects {
-            with_them = with_them.including(effect, &added.seen)?;
-        }
+        let with_them = added.included_in(self, Self::including)?;
         spec.effects = with_them.effect_specs(&added.values(), &added.stds());
         note_sensors(&mut spec.sensors, added);
         note_down(&mut spec.provenance, notes_of(added, campaign, provenance));

@@ -111,10 +111,7 @@ impl CampaignModel for LegModel {
         provenance: &[(&str, String)],
         folder: &Path,
     ) -> Result<String> {
-        let mut with_them = self.clone();
-        for effect in &added.effects {
-            with_them = with_them.including(effect, &added.seen)?;
-        }
+        let with_them = added.included_in(self, Self::including)?;
         let mut scenario = with_them.fitted_scenario(&added.values(), &added.stds());
         note_sensors(&mut scenario.sensors, added);
         note_down(&mut scenario.provenance, notes_of(added, campaign, provenance));

@@ -121,10 +121,7 @@ impl CampaignModel for RobotModel {
         provenance: &[(&str, String)],
         folder: &Path,
     ) -> Result<String> {
-        let mut with_them = self.clone();
-        for effect in &added.effects {
-            with_them = with_them.including(effect, &added.seen)?;
-        }
+        let with_them = added.included_in(self, Self::including)?;
         let mut file = with_them.fitted_file(&added.values(), &added.stds());
         note_sensors(&mut file.sensors, added);
         note_down(&mut file.provenance, notes_of(added, campaign, provenance));

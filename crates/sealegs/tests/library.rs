@@ -46,6 +46,14 @@ fn columns_in_memory_are_compared_as_files_are() {
 }
 
 #[test]
+fn a_recording_of_an_addition_opens_where_the_model_was_worst_without_it() {
+    let recording = add(&["spring-hysteresis"], &bench(), Options::new()).unwrap().recording().unwrap();
+    let first = &recording.runs[0];
+    assert!(first.name.contains("check-noise.csv (holdout)"), "{}", first.name);
+    assert_eq!(first.channels[0].name, "motor_angle_rad");
+}
+
+#[test]
 fn what_goes_wrong_can_be_matched_on() {
     let campaign = bench();
     match add(&["coulomb-frictoin"], &campaign, Options::new()).unwrap_err() {

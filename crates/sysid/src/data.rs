@@ -357,9 +357,9 @@ impl<'a> Data<'a> {
     }
 
     /// What the runs measured and how hard they drove the model: ranges of inputs, of measured outputs and
-    /// of the model's internal signals.
+    /// of the model's internal signals, from one prediction for each run.
     #[must_use]
-    pub fn excitation(&self, predictions: &[Prediction]) -> Excitation {
+    pub fn excitation<'p>(&self, predictions: impl IntoIterator<Item = &'p Prediction>) -> Excitation {
         let mut ranges: Vec<SignalRange> = Vec::new();
         let mut weight: Vec<f64> = Vec::new();
         let mut widen = |name: &str, values: &[f64]| {

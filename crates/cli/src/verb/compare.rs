@@ -2,6 +2,7 @@
 
 use crate::kind;
 use crate::output::Destination;
+use crate::progress;
 use clap::Args;
 use sealegs::{ModelSource, Options};
 use std::io::Write;
@@ -41,11 +42,15 @@ pub fn run(arguments: &Compare) -> anyhow::Result<u8> {
     let report = Destination::optional(arguments.report.as_ref())?;
     let rrd = Destination::optional(arguments.rrd.as_ref())?;
 
+    let bar = progress::spinner();
     let options = Options::new()
         .model(ModelSource::from(arguments.model.as_deref()))
         .as_is(arguments.as_is)
-        .command(crate::command());
-    let comparison = sealegs::compare(&campaign, options)?;
+        .command(crate::command())
+        .on_progress(progress::on(&bar));
+    let comparison = sealegs::compare(&campaign, options);
+    bar.finish();
+    let comparison = comparison?;
     if let Some(destination) = rrd {
         destination.record(&comparison.recording()?)?;
     }

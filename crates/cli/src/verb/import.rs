@@ -10,7 +10,7 @@ use sealegs::sysid::campaign::INPUT_COLUMNS;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Look into log files of any kind and write a first campaign file
 #[derive(Args)]
@@ -297,10 +297,46 @@ fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
-/// How the campaign file names a log: by its name inside the folder, else by its whole path.
+/// How the campaign file names a log: from the folder; by its whole path where the two share no folder but the root.
 fn relative(folder: &Path, file: &Path) -> anyhow::Result<String> {
     let file = std::fs::canonicalize(file).or_bad_input()?;
-    let inside =
-        std::fs::canonicalize(folder).ok().and_then(|f| file.strip_prefix(f).ok().map(Path::to_owned));
-    Ok(inside.unwrap_or(file).to_string_lossy().into_owned())
+    Ok(seen_from(&whole(folder).or_bad_input()?, &file).to_string_lossy().into_owned())
+}
+
+/// The whole path of a folder, which may have to be made yet.
+fn whole(folder: &Path) -> std::io::Result<PathBuf> {
+    match (std::fs::canonicalize(folder), folder.parent(), folder.file_name()) {
+        (Err(_), Some(parent), Some(name)) => {
+            let parent = if parent.as_os_str().is_empty() { Path::new(".") } else { parent };
+            Ok(whole(parent)?.join(name))
+        }
+        (found, ..) => found,
+    }
+}
+
+/// A file as it is called in a folder, both by their whole paths.
+fn seen_from(folder: &Path, file: &Path) -> PathBuf {
+    let shared: PathBuf =
+        folder.components().zip(file.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect();
+    let (Ok(up), Ok(down)) = (folder.strip_prefix(&shared), file.strip_prefix(&shared)) else {
+        return file.to_owned();
+    };
+    if shared.parent().is_none() && !up.as_os_str().is_empty() {
+        return file.to_owned();
+    }
+    up.components().map(|_| Component::ParentDir).chain(down.components()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_is_named_from_the_campaigns_folder() {
+        let name = |folder: &str, file: &str| seen_from(Path::new(folder), Path::new(file));
+        assert_eq!(name("/a/b", "/a/b/logs/x.csv"), Path::new("logs/x.csv"));
+        assert_eq!(name("/a/b/c", "/a/logs/x.csv"), Path::new("../../logs/x.csv"));
+        assert_eq!(name("/a/b", "/x.csv"), Path::new("/x.csv"));
+        assert_eq!(name("/a/b", "/c/x.csv"), Path::new("/c/x.csv"));
+    }
 }

@@ -1,14 +1,17 @@
 //! A comparison as one recording.
 
-use super::Compared;
+use super::{Compared, Part};
 use sealegs_model::Unit;
 use sealegs_recorder::recording::{ComparedChannel, ComparedRun, Comparison};
 use sealegs_sysid::data::DataRun;
 use sealegs_sysid::{Evaluation, stats};
 
-/// Measured, as given and refitted, with the residuals, of every run.
+/// Which of a part's evaluations says where a recording opens.
+type Judged = for<'p, 'a> fn(&'p Part<'a>) -> &'p Evaluation;
+
+/// Measured, before and after, with the residuals, of every run. It opens where the evaluation `judged` is worst.
 #[must_use]
-pub fn of(compared: &Compared, summary_markdown: String) -> Comparison {
+pub fn of(compared: &Compared, summary_markdown: String, judged: Judged) -> Comparison {
     let mut runs = Vec::new();
     for part in &compared.parts {
         for (i, run) in part.data.runs.iter().enumerate() {
@@ -35,7 +38,7 @@ pub fn of(compared: &Compared, summary_markdown: String) -> Comparison {
         }
     }
     // It opens on the first run and its first channel: the worst of the held-out runs.
-    if let Some((run, channel)) = worst(compared) {
+    if let Some((run, channel)) = worst(compared, judged) {
         runs.sort_by_key(|r: &ComparedRun| r.name != run);
         for run in &mut runs {
             run.channels.sort_by_key(|c| c.name != channel);
@@ -50,9 +53,9 @@ fn name_of(run: &DataRun) -> String {
 }
 
 /// The run and channel with the greatest error among the held-out runs, or the fit runs if there are no others.
-fn worst(compared: &Compared) -> Option<(String, String)> {
+fn worst(compared: &Compared, judged: Judged) -> Option<(String, String)> {
     let part = compared.parts.last()?;
-    let at = part.shown();
+    let at = judged(part);
     let worst =
         at.blocks.iter().max_by(|a, b| stats::rms(&a.residual).total_cmp(&stats::rms(&b.residual)))?;
     let run = &part.data.runs[worst.run];

@@ -128,7 +128,7 @@ impl Comparison {
     /// None for the campaign that was compared.
     pub fn recording(&self) -> Result<recording::Comparison> {
         let view = self.view()?;
-        Ok(recording(&view, view.sentence()))
+        Ok(recording(&view, view.sentence(), |part| part.shown()))
     }
 
     fn view(&self) -> Result<Compared<'_>> {

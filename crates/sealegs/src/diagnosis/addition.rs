@@ -54,6 +54,15 @@ pub struct Fitted {
 }
 
 impl Fitted {
+    /// A model with the effects, in their order.
+    pub(crate) fn included_in<M: Clone>(
+        &self,
+        model: &M,
+        including: impl Fn(&M, &str, &Excitation) -> std::result::Result<M, ModelError>,
+    ) -> std::result::Result<M, ModelError> {
+        self.effects.iter().try_fold(model.clone(), |with_them, id| including(&with_them, id, &self.seen))
+    }
+
     /// The values in the order of the model with the effects.
     #[must_use]
     pub fn values(&self) -> Vec<f64> {

@@ -201,7 +201,7 @@ impl Addition {
     ///
     /// None for the campaign that was fitted.
     pub fn recording(&self) -> Result<recording::Comparison> {
-        Ok(comparison::recording(&self.story()?.compared, self.outcome.sentence.clone()))
+        Ok(comparison::recording(&self.story()?.compared, self.outcome.sentence.clone(), |part| &part.before))
     }
 
     fn story(&self) -> Result<Story<'_>> {

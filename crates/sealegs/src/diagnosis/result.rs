@@ -185,7 +185,7 @@ impl Diagnosis {
     pub fn recording(&self) -> Result<recording::Comparison> {
         let o = &self.outcome;
         let said = format!("{}\n\n{}\n\n{}", o.sentence, o.remainder.join(" "), o.next_experiment);
-        Ok(comparison::recording(&self.story()?.compared, said))
+        Ok(comparison::recording(&self.story()?.compared, said, |part| &part.before))
     }
 
     fn story(&self) -> Result<Story<'_>> {

@@ -1,6 +1,6 @@
 //! A diagnosis as text for a terminal.
 
-use super::outcome::{Outcome, ParameterValue, Side};
+use super::outcome::{Outcome, ParameterValue};
 use super::sentence::TOLD;
 use sealegs_sysid::diagnose::DEPARTURE;
 use std::collections::BTreeMap;
@@ -29,23 +29,19 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     if !outcome.remainder.is_empty() {
         let _ = writeln!(o);
     }
-    let _ = writeln!(o, "  error in noise units      fit runs   held-out runs");
-    let mut error = |name: &str, side: &Side| {
-        let _ = writeln!(o, "  {name:<24} {:>9.3} {:>15.3}", side.fit_error, side.holdout_error);
-    };
-    error("base model, refitted", &outcome.base);
+    let mut rows =
+        vec![("base model, refitted".to_owned(), outcome.base.fit_error, outcome.base.holdout_error)];
     if let Some(after) = &outcome.after {
-        error(&format!("with {}", outcome.effects.join(" + ")), after);
+        rows.push((format!("with {}", outcome.effects.join(" + ")), after.fit_error, after.holdout_error));
     }
     if let Some(law) = &outcome.law {
         let with = law.beside.iter().chain([&law.effect]).cloned().collect::<Vec<_>>().join(" + ");
-        let _ = writeln!(
-            o,
-            "  {:<24} {:>9.3} {:>15.3}",
-            format!("with {with}"),
-            law.fit_error,
-            law.holdout_error
-        );
+        rows.push((format!("with {with}"), law.fit_error, law.holdout_error));
+    }
+    let wide = rows.iter().map(|(name, ..)| name.chars().count()).max().unwrap_or(0).max(24);
+    let _ = writeln!(o, "  {:<wide$}  fit runs   held-out runs", "error in noise units");
+    for (name, fitted, held_out) in rows {
+        let _ = writeln!(o, "  {name:<wide$} {fitted:>9.3} {held_out:>15.3}");
     }
     if let Some(worst) = outcome.worst_channels(TOLD) {
         let _ = writeln!(o, "  held-out, root mean square: {worst}");

@@ -2,7 +2,11 @@
 
 use super::units::{HALF_95, capital, multiple};
 use crate::diagnosis::outcome::{ForceSaid, percent};
+use crate::diagnosis::text::figures;
 use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
+
+/// Bins from which a constant is told from a law that is wrong somewhere.
+const FEWEST_BINS: usize = 4;
 
 /// What the missing signal of a port is called.
 fn kind(force: &ForceSaid) -> &'static str {
@@ -73,5 +77,75 @@ pub(crate) fn caption(force: &ForceSaid, effects: &[String]) -> String {
         Some(_) => format!(" Blue: {named} at the same instants."),
         None => " No law is drawn: none is named.".to_owned(),
     };
-    format!("{what}, averaged in bins of {} (it depends on: {}).{law}", force.over, force.depends_on)
+    let constant = constant(force).map_or_else(String::new, |gap| {
+        let (scale, unit) = multiple(gap, &force.unit);
+        let side = if gap > 0.0 { "below" } else { "above" };
+        format!(
+            " The law lies {} {unit} {side} the estimates throughout: this constant is in the sensors' biases that \
+             were fitted with the law.",
+            figures(gap.abs() / scale, 2)
+        )
+    });
+    format!(
+        "{what}, averaged in bins of {} (it depends on: {}).{law}{constant}",
+        force.over, force.depends_on
+    )
+}
+
+/// Estimate minus law where that is the same in all bins and clear of their intervals; positive where the law lies below.
+fn constant(force: &ForceSaid) -> Option<f64> {
+    if force.divided_by != "1" {
+        return None;
+    }
+    let gaps = || {
+        force.branches.iter().filter_map(|b| Some((b, b.law.as_ref()?))).flat_map(|(b, law)| {
+            b.y.iter().zip(law).zip(&b.std).map(|((y, law), std)| (y - law, HALF_95 * std))
+        })
+    };
+    let count = gaps().count();
+    if count < FEWEST_BINS {
+        return None;
+    }
+    let mean = gaps().map(|(gap, _)| gap).sum::<f64>() / count as f64;
+    let clear = gaps().filter(|(gap, half)| gap.abs() > *half).count();
+    let alike = gaps().all(|(gap, half)| (gap - mean).abs() <= (0.25 * mean.abs()).max(half));
+    (2 * clear > count && alike).then_some(mean)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::outcome::BranchSaid;
+
+    fn caption_of(gap: [f64; 4], divided_by: &str) -> String {
+        let (y, std) = (vec![0.1, 0.4, -0.2, 0.6], vec![0.01; 4]);
+        let law = y.iter().zip(gap).map(|(y, gap)| y - gap).collect();
+        let bins = BranchSaid { label: String::new(), x: vec![0.0, 1.0, 2.0, 3.0], y, std, law: Some(law) };
+        let force = ForceSaid {
+            port: "rotor".to_owned(),
+            unit: "N m".to_owned(),
+            depends_on: "command".to_owned(),
+            over: "command".to_owned(),
+            over_unit: "A".to_owned(),
+            divided_by: divided_by.to_owned(),
+            noise: 0.01,
+            explained_by_law: Some(0.5),
+            branches: vec![bins],
+        };
+        caption(&force, &[])
+    }
+
+    #[test]
+    fn a_constant_between_law_and_estimates_is_told_and_a_wrong_law_is_not_called_one() {
+        assert!(caption_of([0.18, 0.19, 0.18, 0.17], "1").contains("0.18 N m below the estimates"));
+        assert!(caption_of([-0.18; 4], "1").contains("0.18 N m above the estimates"));
+        for (gap, divided_by) in [
+            ([0.18, -0.18, 0.18, 0.18], "1"),
+            ([0.01; 4], "1"),
+            ([0.1, 0.2, 0.3, 0.4], "1"),
+            ([0.18; 4], "command"),
+        ] {
+            assert!(!caption_of(gap, divided_by).contains("throughout"), "{gap:?} {divided_by}");
+        }
+    }
 }

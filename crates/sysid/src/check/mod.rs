@@ -158,7 +158,7 @@ pub fn check_within(
     let whole = Data::new(campaign, role, model)?;
     // Central differences of every free parameter, and every effect once.
     let free = model.parameters().iter().filter(|p| !p.fixed).count();
-    let seen = whole.excitation(&predictions_of(&whole, &all, &predictions));
+    let seen = whole.excitation(predictions_of(&whole, &all, &predictions));
     let simulations = 2 * free + model.effects(&seen).len();
     let share = seconds(&whole) / seconds(&all).max(f64::MIN_POSITIVE);
     let short = (once_s * share * simulations as f64 > patience_s).then(|| first_of_each(campaign, SHORT_S));
@@ -190,9 +190,13 @@ fn seconds(data: &Data) -> f64 {
 }
 
 /// The predictions of some runs out of those of all.
-fn predictions_of(some: &Data, all: &Data, predictions: &[Prediction]) -> Vec<Prediction> {
+fn predictions_of<'p>(
+    some: &Data,
+    all: &Data,
+    predictions: &'p [Prediction],
+) -> impl Iterator<Item = &'p Prediction> {
     let at = |index: usize| all.runs.iter().position(|run| run.index == index);
-    some.runs.iter().filter_map(|run| Some(predictions[at(run.index)?].clone())).collect()
+    some.runs.iter().filter_map(move |run| Some(&predictions[at(run.index)?]))
 }
 
 /// The campaign with so many seconds of each run that count, from the first one on; what is before them stays.
