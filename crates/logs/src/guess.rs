@@ -166,7 +166,21 @@ fn before_quantity(name: &str) -> Option<String> {
     (is_quantity && !words.is_empty() && !words.iter().all(no_joint)).then(|| rest.to_owned())
 }
 
-/// The joint that a name belongs to: what stands in its last brackets or before its quantity, or the number at its end.
+/// Words that a number behind them makes the name of a joint.
+const JOINT: [&str; 10] = ["j", "joint", "axis", "ax", "dof", "motor", "m", "act", "actuator", "servo"];
+
+/// The numbered joint that a name begins with: `J1` of `J1 tau cmd`.
+fn numbered(name: &str) -> Option<&str> {
+    let name = last_part(name);
+    let letters = name.find(|c: char| !c.is_alphabetic())?;
+    let number = letters + name[letters..].find(|c: char| c.is_ascii_digit())?;
+    let end = number + name[number..].find(|c: char| !c.is_ascii_digit())?;
+    let between = name[letters..number].chars().all(|c| matches!(c, '_' | '-' | ' '));
+    (between && JOINT.contains(&name[..letters].to_lowercase().as_str())).then(|| &name[..end])
+}
+
+/// The joint that a name belongs to: what stands in its last brackets, its numbered beginning, what stands before its quantity,
+/// or the number at its end.
 fn joint(name: &str) -> Option<String> {
     let inside = name.rfind('[').and_then(|at| name[at + 1..].strip_suffix(']'));
     if let Some(inside) = inside {
@@ -175,7 +189,7 @@ fn joint(name: &str) -> Option<String> {
             Err(_) => inside.to_owned(),
         });
     }
-    if let Some(rest) = before_quantity(name) {
+    if let Some(rest) = numbered(name).map(str::to_owned).or_else(|| before_quantity(name)) {
         return Some(rest);
     }
     let digits = name.len() - name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
@@ -235,8 +249,9 @@ pub(crate) fn roles(table: &Table, clock: Option<usize>, columns: &mut [ColumnSu
     let many_joints = !several.is_empty();
     let mut taken: Vec<String> = Vec::new();
     for guess in guesses {
-        let place = joint(&table.columns[guess.column].name)
-            .filter(|_| many_joints && several.contains(&guess.target.to_owned()));
+        let name = &table.columns[guess.column].name;
+        let of_a_joint_too = several.contains(&guess.target.to_owned()) || numbered(name).is_some();
+        let place = joint(name).filter(|_| many_joints && of_a_joint_too);
         let target = match place {
             Some(joint) => format!("{joint}.{}", of_a_joint(guess.target)),
             None => guess.target.to_owned(),
@@ -366,6 +381,16 @@ mod tests {
             ("tau_con2", "joint2.torque_nm"),
         ];
         assert_eq!(joints, expected.map(|(a, b)| (a.to_owned(), b.to_owned())));
+        let names = ["stamp [s]", "J1 pos", "J2 pos", "J1 vel", "J1 tau cmd", "J2 tau cmd", "J1 tau est"];
+        let expected = [
+            ("stamp [s]", "time_s"),
+            ("J1 pos", "J1.angle_rad"),
+            ("J2 pos", "J2.angle_rad"),
+            ("J1 vel", "J1.speed_rad_s"),
+            ("J1 tau cmd", "J1.torque_nm"),
+            ("J2 tau cmd", "J2.torque_nm"),
+        ];
+        assert_eq!(roles_of(&names, wave), expected.map(|(a, b)| (a.to_owned(), b.to_owned())));
     }
 
     #[test]

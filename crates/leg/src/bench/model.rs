@@ -155,14 +155,25 @@ impl RobotModel {
             p.prior_std = given.std.filter(|s| *s > 0.0).or(p.prior_std);
             (p.min, p.max) = (p.min.min(given.value), p.max.max(given.value));
         }
-        // What a command counts in names some parameters: a limit is one of the joints' efforts.
+        // What a command counts in names some parameters: a limit is one of the joints' efforts, or a current as in the catalogue.
         let command = |joint: &Joint| SignalRange { name: joint.command(), min: -1.0, max: 1.0, rms: 1.0 };
         let commanded =
             Excitation { ranges: self.joints.iter().map(command).collect(), ..Excitation::default() };
         for effect in &file.effects {
             let before = self.parameters.len();
-            self.include(&effect.id, &commanded)
-                .map_err(|e| bad(format!("effect.{}", effect.id), e.to_string()))?;
+            let including = |seen| {
+                let with = self.including(&effect.id, seen);
+                with.map_err(|e| bad(format!("effect.{}", effect.id), e.to_string()))
+            };
+            let has = |model: &Self, name| {
+                let full = format!("{}.{name}", effect.id);
+                model.parameters[before..].iter().any(|p| p.name == full)
+            };
+            let mut with = including(&commanded)?;
+            if !effect.parameters.keys().all(|name| has(&with, name)) {
+                with = including(&Excitation::default())?;
+            }
+            *self = with;
             for (name, given) in &effect.parameters {
                 let full = format!("{}.{name}", effect.id);
                 let Some(p) = self.parameters[before..].iter_mut().find(|p| p.name == full) else {

@@ -10,8 +10,9 @@ use super::{page, text};
 use crate::campaign_model::{self, CampaignModel};
 use crate::stoppable::{Stoppable, unless_stopped};
 use crate::{Options, Result, comparison};
+use sealegs_model::{Excitation, Model};
 use sealegs_recorder::recording;
-use sealegs_sysid::diagnose::{self, Experiment};
+use sealegs_sysid::diagnose::{self, Experiment, VerdictKind};
 use sealegs_sysid::{Campaign, Role, sanity, units};
 use std::path::Path;
 use std::sync::Arc;
@@ -69,10 +70,17 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
     let experiment = diagnose::next_experiment(&campaign, &found, model.limits(&campaign));
     let experiment = unless_stopped(&options, experiment)?;
     let provenance = Provenance::of_campaign(&campaign, model.name(), &options.files())?;
+    let kind = found.verdict.kind;
     let next = match &experiment {
         Some(e) => e.sentence.clone(),
+        None if kind == VerdictKind::Unexplained => {
+            "No effect is named, so that there is nothing for an experiment to tell apart.".to_owned()
+        }
         None => "There is nothing to tell apart, and so no experiment to propose.".to_owned(),
     };
+    if matches!(kind, VerdictKind::Unexplained | VerdictKind::PartlyExplained) {
+        campaign.notes.extend(not_tried(model.as_ref()));
+    }
     let outcome = Outcome::new(&campaign, &found, next, wrong, provenance);
     let (label, command) = (options.model.label(&campaign), options.command_of("sealegs::diagnose"));
     Ok(Diagnosis {
@@ -84,6 +92,17 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
         label,
         command,
         took: started.elapsed(),
+    })
+}
+
+/// What the catalogue does not offer a model, of what is common at joints: whoever reads that no effect explains the runs must
+/// not take it for excluded.
+fn not_tried(model: &dyn Model) -> Option<String> {
+    let cards = model.effects(&Excitation::default());
+    let offers = |family: &str| cards.iter().any(|c| c.id.rsplit('/').next() == Some(family));
+    (!offers("backlash") && !offers("series-compliance")).then(|| {
+        "play and compliance between motor and joint were not tried: the catalogue has them for drives with a spring only"
+            .to_owned()
     })
 }
 
@@ -192,5 +211,22 @@ impl Diagnosis {
         let sides = Sides::of(&self.found);
         let command = self.command.clone();
         Ok(Story::new(&self.campaign, &self.outcome, &sides, self.experiment.as_ref(), command)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::not_tried;
+    use sealegs_actuator::ActuatorSpec;
+    use sealegs_actuator::bench::{Bench, BenchModel};
+
+    #[test]
+    fn a_drive_without_a_spring_says_that_play_and_compliance_were_not_tried() {
+        let model = |preset, bench| {
+            BenchModel::new(ActuatorSpec::preset(preset).expect("a preset"), bench).expect("a model")
+        };
+        let rigid = not_tried(&model("rigid-rotary", Bench::Free { load: 0.1 }));
+        assert!(rigid.is_some_and(|note| note.contains("not tried")));
+        assert_eq!(not_tried(&model("thor-linear", Bench::Locked)), None);
     }
 }
