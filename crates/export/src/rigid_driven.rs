@@ -6,7 +6,7 @@ use crate::joint_note::{note, of_the_robot};
 use crate::mjcf::of_the_log;
 use crate::rigid::{Reach, RigidJoint, RigidRobot, driven, moving_friction, speed_limit};
 use crate::term::Term;
-use crate::text::num;
+use crate::text::{num, told};
 use nalgebra::{Isometry3, Matrix3, Point3};
 use sealegs_leg::robot::{Inertial, Joint, JointKind, Link};
 
@@ -44,9 +44,11 @@ impl RigidRobot {
             joints.push(made);
         }
         if let Some((name, start)) = robot.starts.first() {
-            let of: Vec<String> =
-                start.iter().map(|s| format!("position {}, speed {}", num(s.0), num(s.1))).collect();
-            notes.push(Note::lost(format!("start of the run {name}"), of.join(", ")));
+            let of = |(joint, at): (&DrivenJoint, &(f64, f64))| {
+                format!("{} at {}, speed {}", joint.name, told(at.0), told(at.1))
+            };
+            let of: Vec<String> = robot.joints.iter().zip(start).map(of).collect();
+            notes.push(Note::lost(format!("start of the run {name}"), of.join("; ")));
         }
         notes.extend(of_the_robot(robot));
         let logger = robot.joints.first().map_or((false, 0.0), |j| j.drive.logger);

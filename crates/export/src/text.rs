@@ -10,6 +10,11 @@ pub fn num(value: f64) -> String {
     if plain.len() <= exponent.len() + 2 { plain } else { exponent }
 }
 
+/// A number with five digits, as a note tells it.
+pub fn told(value: f64) -> String {
+    num(format!("{value:.4e}").parse().unwrap_or(value))
+}
+
 /// Numbers with blanks between them.
 pub fn nums(values: &[f64]) -> String {
     values.iter().map(|v| num(*v)).collect::<Vec<_>>().join(" ")
@@ -72,6 +77,14 @@ pub fn check_stem(stem: &str) -> Result<(), ExportError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_note_tells_five_digits() {
+        assert_eq!(
+            [-0.002_801_805_166, 0.25, 1234567.0, 0.0].map(told),
+            ["-0.0028018", "0.25", "1234600", "0"]
+        );
+    }
 
     #[test]
     fn numbers_read_back_to_the_same_bits() {

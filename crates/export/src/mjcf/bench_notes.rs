@@ -5,7 +5,7 @@ use super::bench::{gap, step_s};
 use crate::Note;
 use crate::bench::BenchDescription;
 use crate::term::Term;
-use crate::text::{module, num};
+use crate::text::{module, num, told};
 use sealegs_actuator::spec::SensorSpec;
 use std::collections::BTreeMap;
 
@@ -101,7 +101,7 @@ pub fn of_the_log(sensors: &BTreeMap<String, SensorSpec>, (lead, skew): (bool, f
     }
     if lead || skew != 0.0 {
         let lead = if lead { "a row's command acted in the period before its time stamp; " } else { "" };
-        let how = format!("{lead}commands are late by {} of a period: they belong to the log", num(skew));
+        let how = format!("{lead}commands are late by {} of a period: they belong to the log", told(skew));
         notes.push(Note::lost("time stamps of the logger", how));
     }
     notes

@@ -5,7 +5,7 @@ held         command position_rad: stiffness and damping of the actuator's confi
 held         servo's command_delay_s: DelayedPDActuatorCfg, in whole steps
 lost         servo's duty_dead_zone: the format has no element for it
 lost         load-dependent-friction: the format has no element for it
-lost         start of the run a.csv: position 0.25, speed -0.5
+lost         start of the run a.csv: lever at 0.25, speed -0.5
 held         armature, friction: in the actuators' configurations; damping as viscous_friction
 approximate  delay at lever: 10 steps of 0.001 s; 0 s are left over
 
