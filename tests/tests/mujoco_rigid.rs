@@ -191,6 +191,12 @@ fn reference_the_error_of_drives_without_a_spring_falls_in_mujoco_as_it_falls_he
             &[stribeck, load],
         ),
         on_pendulum(
+            "servo on a lever, Coulomb",
+            (drive("rotary", simple), PendulumRig { arm_m: -0.5, ..rod }),
+            ("position_rad", 0.4),
+            &[("coulomb-friction", &[0.05])],
+        ),
+        on_pendulum(
             "servo with all it may have",
             (drive("rotary", full), rod),
             ("position_rad", 0.8),

@@ -63,7 +63,7 @@ impl BenchDescription {
         let plant = model.plant(&values, input)?;
         let output = match model.bench() {
             Bench::Locked => Output::Held,
-            Bench::Pendulum(rig) => {
+            Bench::Pendulum(rig) if rig.rod_mass_kg == 0.0 => {
                 // Of a point mass weight and inertia, as effects have changed them, tell mass and place.
                 let (is, stated) = (plant.link_2, rig.link());
                 let inertia = is.mass_kg() / stated.mass_kg();

@@ -14,7 +14,6 @@ use sealegs_actuator::spec::ServoSpec;
 use sealegs_leg::bench::RobotModel;
 use sealegs_leg::robot::{Geometry, Inertial, Joint, JointKind, JointLimits, Link, Robot, Shape, Source};
 use sealegs_model::Model;
-use std::collections::BTreeMap;
 
 /// What the command of a drive is.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +116,7 @@ impl DrivenRobot {
         let robot = model.robot_at(&values);
         let mut joints = Vec::new();
         for joint in model.driven_joints(&values) {
-            let plant = RobotModel::plant_of(&joint)?;
+            let plant = joint.plant()?;
             let drive =
                 BenchDescription::of_plant(joint.drive, &joint.values, &plant, &joint.command, Output::Held);
             let channels = joint.channels.iter().map(|(at, here)| ((*at).to_owned(), here.clone())).collect();
@@ -274,9 +273,4 @@ fn bench_robot(joint: &str, slides: bool, load: Load) -> Robot {
         warnings: Vec::new(),
         source: Source::Text("bench".to_owned()),
     }
-}
-
-/// What is known of the sensors of all joints.
-pub fn sensors(robot: &DrivenRobot) -> BTreeMap<String, sealegs_actuator::spec::SensorSpec> {
-    robot.joints.iter().flat_map(|j| j.drive.sensors.clone()).collect()
 }

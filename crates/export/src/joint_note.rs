@@ -2,10 +2,11 @@
 
 use crate::Note;
 use crate::driven::DrivenRobot;
+use crate::note::of_the_log;
 use crate::rigid::Reach;
 use crate::term::Term;
 
-/// What a robot of driven joints has or leaves out in every format.
+/// What a robot of driven joints has or leaves out in every format, its sensors and its logger last.
 pub fn of_the_robot(robot: &DrivenRobot) -> Vec<Note> {
     let mut notes = Vec::new();
     if robot.links_fitted {
@@ -17,6 +18,9 @@ pub fn of_the_robot(robot: &DrivenRobot) -> Vec<Note> {
         let how = format!("at {}: the model's friction is that of its effects", rubbing.join(", "));
         notes.push(Note::lost("friction in the URDF", how));
     }
+    let sensors = robot.joints.iter().flat_map(|j| j.drive.sensors.clone()).collect();
+    let logger = robot.joints.first().map_or((false, 0.0), |j| j.drive.logger);
+    notes.extend(of_the_log(&sensors, logger));
     notes
 }
 

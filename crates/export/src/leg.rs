@@ -128,9 +128,9 @@ impl LegDescription {
 /// The effects by place.
 fn effects(model: &LegModel) -> BTreeMap<String, Vec<Included>> {
     let mut by_place: BTreeMap<String, Vec<Included>> = BTreeMap::new();
+    let values: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
     for id in model.included() {
         let said = model.scenario().effects.iter().find(|e| e.id == id);
-        let values: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
         let parameters = parameters_of(&id, model.parameters(), &values);
         let (place, own) = id.split_once('/').unwrap_or(("", id.as_str()));
         let term = Term::of(own, &parameters, said.and_then(|e| e.definition.as_ref()));

@@ -1,5 +1,8 @@
 //! What became of a part of the model in another format, in words.
 
+use crate::text::told;
+use sealegs_actuator::spec::SensorSpec;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// What became of a part of the model.
@@ -65,4 +68,21 @@ impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:<11}  {}: {}", self.fate.as_str(), self.what, self.how)
     }
+}
+
+/// What belongs to the log and its sensors, and stays in the model's file.
+pub(crate) fn of_the_log(sensors: &BTreeMap<String, SensorSpec>, (lead, skew): (bool, f64)) -> Vec<Note> {
+    let mut notes = Vec::new();
+    if sensors.values().any(|s| s.gain.is_some() || s.bias.is_some()) {
+        notes.push(Note::lost(
+            "gain and bias of the sensors",
+            "they stay in the model file: measured = gain true + bias",
+        ));
+    }
+    if lead || skew != 0.0 {
+        let lead = if lead { "a row's command acted in the period before its time stamp; " } else { "" };
+        let how = format!("{lead}commands are late by {} of a period: they belong to the log", told(skew));
+        notes.push(Note::lost("time stamps of the logger", how));
+    }
+    notes
 }

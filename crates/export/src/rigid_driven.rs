@@ -1,9 +1,8 @@
 //! Drives without a spring as links and joints with losses and limits.
 
 use crate::Note;
-use crate::driven::{Command, DrivenJoint, DrivenRobot, sensors};
+use crate::driven::{Command, DrivenJoint, DrivenRobot};
 use crate::joint_note::{note, of_the_robot};
-use crate::mjcf::of_the_log;
 use crate::rigid::{Reach, RigidJoint, RigidRobot, driven, moving_friction, speed_limit};
 use crate::term::Term;
 use crate::text::{num, told};
@@ -51,8 +50,6 @@ impl RigidRobot {
             notes.push(Note::lost(format!("start of the run {name}"), of.join("; ")));
         }
         notes.extend(of_the_robot(robot));
-        let logger = robot.joints.first().map_or((false, 0.0), |j| j.drive.logger);
-        notes.extend(of_the_log(&sensors(robot), logger));
         Self {
             name: robot.name.clone(),
             title: robot.title.clone(),
@@ -80,7 +77,7 @@ fn command(joint: &DrivenJoint, reach: Reach, notes: &mut Vec<Note>) {
             Note::held(what, "stiffness and damping of the actuator's configuration; back-EMF as viscous_friction")
         }
         Command::Goal(_, servo) => {
-            let per_rad = num(gain_of(joint, servo.proportional * servo.supply_v));
+            let per_rad = num(gain_of(joint, servo.proportional * servo.supply_v) * joint.arm);
             Note::lost(what, format!("the loop is yours to close: {per_rad} N m per rad of error; the back-EMF is the joint's damping"))
         }
     });
@@ -94,7 +91,7 @@ fn command(joint: &DrivenJoint, reach: Reach, notes: &mut Vec<Note>) {
 
 /// Torque at the joint for a voltage at standstill.
 fn gain_of(joint: &DrivenJoint, volts: f64) -> f64 {
-    joint.winding().map_or(0.0, |(constant, resistance)| volts * constant / resistance * joint.arm)
+    joint.winding().map_or(0.0, |(constant, resistance)| volts * constant / resistance)
 }
 
 /// Brings a drive to its joint.
@@ -112,10 +109,10 @@ fn bring(driven_joint: &DrivenJoint, joint: &Joint, reach: Reach, made: &mut Rig
         effort = effort.min(gain_of(driven_joint, servo.duty_limit * servo.supply_v).abs());
         drive.delay_s += servo.feedback_delay_s;
         if reach == Reach::Armature {
-            drive.spring =
-                gain_of(driven_joint, servo.proportional * servo.supply_v) * driven_joint.arm.abs();
-            drive.derivative =
-                gain_of(driven_joint, servo.derivative * servo.supply_v) * driven_joint.arm.abs();
+            // The loop is one of the drive's own travel.
+            let at_joint =
+                |per_travel: f64| gain_of(driven_joint, per_travel * servo.supply_v) * driven_joint.arm;
+            (drive.spring, drive.derivative) = (at_joint(servo.proportional), at_joint(servo.derivative));
         }
     }
     made.limits.effort = joint.limits.effort.min(effort);

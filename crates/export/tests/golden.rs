@@ -1,11 +1,13 @@
 //! The files of a small actuator, as they stand in `golden/`. `SEALEGS_WRITE_GOLDEN=1` writes them anew, for a look at what
 //! changed.
 
+mod common;
+
+use common::is_golden;
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig};
 use sealegs_export::{ExportError, Fate, Format, bench, leg};
 use sealegs_leg::scenario::Scenario;
-use std::path::Path;
 
 /// Round numbers: r = 1 mm/rad, m_J = 100 kg, b = 2000 N s/m, k = 500 kN/m, K = 200 N/A.
 const SMALL: &str = "id = \"small\"
@@ -49,15 +51,6 @@ fn model(effects: &[(&str, &[(&str, f64)])], bench: Bench) -> BenchModel {
 
 fn pendulum() -> Bench {
     Bench::Pendulum(PendulumRig { arm_m: 0.1, length_m: 0.5, mass_kg: 2.0, rod_mass_kg: 0.0 })
-}
-
-fn is_golden(name: &str, text: &str) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    if std::env::var_os("SEALEGS_WRITE_GOLDEN").is_some() {
-        std::fs::write(&file, text).unwrap();
-    }
-    let golden = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{name}: {e}"));
-    assert_eq!(text, golden, "{name} has changed");
 }
 
 #[test]
@@ -136,6 +129,9 @@ fn benches_and_names_that_nobody_can_write_are_refused() {
     let free = model(&[], Bench::Masses { link_1_kg: f64::INFINITY, link_2_kg: 5.0 });
     let refused = |result: Result<_, ExportError>| result.err().map(|e| e.to_string()).unwrap_or_default();
     assert!(refused(bench(Format::Mjcf, &free, "current_a", "a")).contains("free masses"));
+    let rod = PendulumRig { arm_m: 0.1, length_m: 0.5, mass_kg: 2.0, rod_mass_kg: 0.4 };
+    let rod = model(&[], Bench::Pendulum(rod));
+    assert!(refused(bench(Format::Mjcf, &rod, "current_a", "a")).contains("whose rod has no mass"));
     let locked = model(&[], Bench::Locked);
     assert!(refused(bench(Format::Mjcf, &locked, "current_a", "..")).contains("names no file"));
     let unknown = "collada".parse::<Format>().err().map(|e| e.to_string()).unwrap_or_default();

@@ -1,6 +1,9 @@
 //! The files of drives without a spring, as they stand in `golden/`. `SEALEGS_WRITE_GOLDEN=1` writes them anew, for a look at
 //! what changed.
 
+mod common;
+
+use common::is_golden;
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig, RunSetup};
 use sealegs_export::{ExportError, Exported, Fate, Format, bench, on_run, robot};
@@ -70,15 +73,6 @@ parameters = { coefficient = 0.05 }
 id = \"elbow/dahl-friction\"
 parameters = { }
 ";
-
-fn is_golden(name: &str, text: &str) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    if std::env::var_os("SEALEGS_WRITE_GOLDEN").is_some() {
-        std::fs::write(&file, text).unwrap();
-    }
-    let golden = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{name}: {e}"));
-    assert_eq!(text, golden, "{name} has changed");
-}
 
 fn lost(exported: &Exported) -> Vec<&str> {
     exported.notes.iter().filter(|n| n.fate == Fate::Lost).map(|n| n.what.as_str()).collect()

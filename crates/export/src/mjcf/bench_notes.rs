@@ -4,10 +4,9 @@ use super::SHORTEST_DELAY;
 use super::bench::{gap, step_s};
 use crate::Note;
 use crate::bench::BenchDescription;
+use crate::note::of_the_log;
 use crate::term::Term;
-use crate::text::{module, num, told};
-use sealegs_actuator::spec::SensorSpec;
-use std::collections::BTreeMap;
+use crate::text::{module, num};
 
 /// What became of everything that the model includes.
 pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
@@ -87,22 +86,5 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
         });
     }
     notes.extend(of_the_log(&bench.sensors, bench.logger));
-    notes
-}
-
-/// What belongs to the log and its sensors, and stays in the model's file.
-pub fn of_the_log(sensors: &BTreeMap<String, SensorSpec>, (lead, skew): (bool, f64)) -> Vec<Note> {
-    let mut notes = Vec::new();
-    if sensors.values().any(|s| s.gain.is_some() || s.bias.is_some()) {
-        notes.push(Note::lost(
-            "gain and bias of the sensors",
-            "they stay in the model file: measured = gain true + bias",
-        ));
-    }
-    if lead || skew != 0.0 {
-        let lead = if lead { "a row's command acted in the period before its time stamp; " } else { "" };
-        let how = format!("{lead}commands are late by {} of a period: they belong to the log", told(skew));
-        notes.push(Note::lost("time stamps of the logger", how));
-    }
     notes
 }

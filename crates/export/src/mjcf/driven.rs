@@ -154,10 +154,11 @@ fn actuators(o: &mut String, joint: &DrivenJoint, step_s: f64) {
             constant(o, &format!("{name}_offset"), &name, drive.offset_force);
         }
         Command::Goal(w, servo) => {
-            // Of the joint's own position: duty times supply over the resistance is a current, times the constant a torque.
-            let per_duty = servo.supply_v * w.force_per_current / w.resistance_ohm;
-            let (gain, most) = (per_duty * servo.proportional, per_duty * servo.duty_limit);
-            let bias = [gain * servo.goal_offset, -gain, -per_duty * servo.derivative];
+            // Duty times supply over the resistance is a current, times the constant a force along y; the loop is one of y, too.
+            let arm = joint.arm;
+            let per_duty = arm * servo.supply_v * w.force_per_current / w.resistance_ohm;
+            let (gain, most) = (per_duty * servo.proportional, (per_duty * servo.duty_limit).abs());
+            let bias = [gain * servo.goal_offset, -gain * arm, -per_duty * servo.derivative * arm];
             let _ = writeln!(
                 o,
                 "    <general name=\"{name}\" joint=\"{name}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{}\" forcerange=\"{}\"{late}/>",

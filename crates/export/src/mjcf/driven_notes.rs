@@ -1,12 +1,11 @@
 //! What became of everything that drives without a spring include, in a file for MuJoCo and in the Python beside it.
 
 use super::SHORTEST_DELAY;
-use super::bench_notes::of_the_log;
 use super::driven::step_s;
 use super::driven_callback::class;
 use super::shape::has_mesh;
 use crate::Note;
-use crate::driven::{Command, DrivenJoint, DrivenRobot, sensors};
+use crate::driven::{Command, DrivenJoint, DrivenRobot};
 use crate::joint_note::of_the_robot;
 use crate::term::Term;
 use crate::text::{module, num};
@@ -45,8 +44,6 @@ pub fn notes(robot: &DrivenRobot, stem: &str) -> Vec<Note> {
         ));
     }
     notes.extend(of_the_robot(robot));
-    let logger = robot.joints.first().map_or((false, 0.0), |j| j.drive.logger);
-    notes.extend(of_the_log(&sensors(robot), logger));
     notes
 }
 

@@ -12,8 +12,6 @@ mod leg_actuator;
 mod shape;
 mod stages;
 
-pub use bench_notes::of_the_log;
-
 /// The longest step in the files, s: that of the project's own bench.
 const STEP_S: f64 = 1e-4;
 

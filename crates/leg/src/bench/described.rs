@@ -2,9 +2,10 @@
 
 use super::RobotModel;
 use super::joint::Column;
-use crate::robot::{Inertial, JointKind, Robot};
+use crate::robot::{JointKind, Robot};
 use sealegs_actuator::bench::BenchModel;
-use sealegs_model::{Model, ModelError};
+use sealegs_actuator::plant::Plant;
+use sealegs_model::{Model, ModelError, Record};
 
 /// A joint with its drive and the values of the drive's parameters.
 #[derive(Debug, Clone)]
@@ -15,10 +16,23 @@ pub struct DrivenJoint<'a> {
     pub drive: &'a BenchModel,
     /// Values of the drive's parameters, in their order.
     pub values: Vec<f64>,
-    /// The column that commands it.
+    /// The column that commands it, a torque or a force.
     pub command: String,
+    /// What that column is called on the drive's own bench.
+    pub input: &'static str,
     /// What its sensors show: the column at a drive on its own bench, and here.
     pub channels: Vec<(&'static str, String)>,
+}
+
+impl DrivenJoint<'_> {
+    /// The plant of the drive at its values.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::BadParameter`] for a value that no drive can have.
+    pub fn plant(&self) -> Result<Plant, ModelError> {
+        self.drive.plant(&self.values, self.input)
+    }
 }
 
 impl RobotModel {
@@ -31,18 +45,16 @@ impl RobotModel {
     /// The joints that move with their drives, for parameter `values` in the order of the model's, by degree of freedom.
     #[must_use]
     pub fn driven_joints(&self, values: &[f64]) -> Vec<DrivenJoint<'_>> {
-        let of = |joint: &super::joint::Joint| {
-            let shown = |column| (joint.at_drive(column), joint.channel(column));
-            (
-                joint.at.iter().map(|i| values[*i]).collect(),
-                joint.command(),
-                [Column::Position, Column::Speed].map(shown),
-            )
-        };
         let described = self.joints.iter().map(|joint| {
-            let (values, command, channels) = of(joint);
-            let channels = channels.to_vec();
-            DrivenJoint { name: &joint.name, drive: &joint.model, values, command, channels }
+            let shown = |column| (joint.at_drive(column), joint.channel(column));
+            DrivenJoint {
+                name: &joint.name,
+                drive: &joint.model,
+                values: joint.own(values),
+                command: joint.command(),
+                input: joint.input(),
+                channels: [Column::Position, Column::Speed].map(shown).to_vec(),
+            }
         });
         described.collect()
     }
@@ -52,8 +64,7 @@ impl RobotModel {
     #[must_use]
     pub fn robot_at(&self, values: &[f64]) -> Robot {
         let mut robot = self.robot.as_ref().clone();
-        let mut tree = self.tree.clone();
-        self.links.iter().for_each(|link| link.apply(values, &mut tree));
+        let tree = self.tree_at(values);
         let moving: Vec<usize> = robot.moving_joints().map(|j| j.child).collect();
         for (body, link) in moving.into_iter().enumerate() {
             let (is, stated) = (tree.inertial(body), self.tree.inertial(body));
@@ -63,8 +74,7 @@ impl RobotModel {
             for i in self.rigidly_on(link) {
                 robot.links[i].inertial = None;
             }
-            let Inertial { mass_kg, com, inertia } = is;
-            robot.links[link].inertial = Some(Inertial { mass_kg, com, inertia });
+            robot.links[link].inertial = Some(is);
         }
         robot
     }
@@ -87,19 +97,9 @@ impl RobotModel {
 
     /// The same with the start of one record alone, if it is known.
     #[must_use]
-    pub fn starting_as(mut self, record: &sealegs_model::Record) -> Self {
+    pub fn starting_as(mut self, record: &Record) -> Self {
         self.starts.retain(|name, _| *name == record.name);
         self
-    }
-
-    /// The plant of a joint's drive at its values, commanded by a torque or a force.
-    ///
-    /// # Errors
-    ///
-    /// [`ModelError::BadParameter`] for a value that no drive can have.
-    pub fn plant_of(joint: &DrivenJoint<'_>) -> Result<sealegs_actuator::plant::Plant, ModelError> {
-        let slides = joint.command.ends_with("force_n");
-        joint.drive.plant(&joint.values, if slides { "motor_force_n" } else { "joint_torque_nm" })
     }
 
     /// The nominal values, in the order of the model's parameters.

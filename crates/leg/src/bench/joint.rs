@@ -27,6 +27,16 @@ impl Joint {
         format!("{}.{}", self.name, if self.slides { "force_n" } else { "torque_nm" })
     }
 
+    /// What that column is called on a bench of the drive alone.
+    pub fn input(&self) -> &'static str {
+        if self.slides { "motor_force_n" } else { "joint_torque_nm" }
+    }
+
+    /// Values of the drive's parameters, out of those of the robot's.
+    pub fn own(&self, values: &[f64]) -> Vec<f64> {
+        self.at.iter().map(|i| values[*i]).collect()
+    }
+
     /// What a column is called.
     pub fn channel(&self, column: Column) -> String {
         let what = match (column, self.slides) {
@@ -56,9 +66,8 @@ impl Joint {
         // A joint's thermometer is not fed to its drive: nothing may be asked to follow it.
         let own = seen.ranges.iter().filter_map(|r| Some((r.name.strip_prefix(&prefix)?, r)));
         let own = own.filter(|(name, _)| *name != TEMPERATURE);
-        let command = if self.slides { "motor_force_n" } else { "joint_torque_nm" };
         let ranges = own.map(|(name, range)| SignalRange {
-            name: if self.command() == range.name { command.to_owned() } else { name.to_owned() },
+            name: if self.command() == range.name { self.input() } else { name }.to_owned(),
             ..range.clone()
         });
         Excitation {

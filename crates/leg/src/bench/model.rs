@@ -42,7 +42,7 @@ pub struct RobotModel {
     pub(super) robot: Arc<Robot>,
     pub(super) tree: Tree,
     pub(super) joints: Vec<Joint>,
-    pub(super) links: Vec<LinkParameters>,
+    links: Vec<LinkParameters>,
     pub(super) parameters: Vec<Parameter>,
     /// Included effects: the joint and the id there.
     included: Vec<(usize, String)>,
@@ -311,15 +311,16 @@ impl RobotModel {
 
     /// The robot with parameter values in place.
     fn machine(&self, values: &[f64]) -> Result<Machine, ModelError> {
-        let plants = self.joints.iter().map(|joint| {
-            let own: Vec<f64> = joint.at.iter().map(|i| values[*i]).collect();
-            let input = if joint.slides { "motor_force_n" } else { "joint_torque_nm" };
-            joint.model.plant(&own, input)
-        });
+        let plants = self.joints.iter().map(|joint| joint.model.plant(&joint.own(values), joint.input()));
         let drives = plants.collect::<Result<Vec<Plant>, ModelError>>()?;
+        Ok(Machine { tree: self.tree_at(values), drives })
+    }
+
+    /// The links with parameter values in place.
+    pub(super) fn tree_at(&self, values: &[f64]) -> Tree {
         let mut tree = self.tree.clone();
         self.links.iter().for_each(|link| link.apply(values, &mut tree));
-        Ok(Machine { tree, drives })
+        tree
     }
 
     /// The joints' position channels.

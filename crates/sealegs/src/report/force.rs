@@ -81,8 +81,8 @@ pub(crate) fn caption(force: &ForceSaid, effects: &[String]) -> String {
         let (scale, unit) = multiple(gap, &force.unit);
         let side = if gap > 0.0 { "below" } else { "above" };
         format!(
-            " The law lies {} {unit} {side} the estimates throughout: this constant is in the sensors' biases that \
-             were fitted with the law.",
+            " The law lies {} {unit} {side} the estimates throughout: what is constant the fit with the law may put \
+             elsewhere, as into a sensor's bias.",
             figures(gap.abs() / scale, 2)
         )
     });
