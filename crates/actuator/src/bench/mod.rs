@@ -312,6 +312,7 @@ impl BenchModel {
             let own = &values[included.first..included.first + included.count];
             included.effect.get().install(own, included.channel.as_deref(), &mut plant);
         }
+        plant.part_at_transmission();
         Ok(plant)
     }
 
@@ -340,7 +341,7 @@ impl BenchModel {
         let enough = (record.hold == InputHold::BandLimited).then_some(SMOOTH_STEPS_PER_PERIOD);
         let period_s = record.mean_period_s();
         let fewer = [enough, self.steps_per_sample].into_iter().flatten().map(|n| period_s / n);
-        let step_s = fewer.fold(self.step_s, f64::max);
+        let step_s = fewer.fold(self.step_s, f64::max).min(plant.longest_step_s());
         let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);

@@ -7,8 +7,8 @@
 use super::candidate::within_half_a_period;
 use super::compare::{excess, is_seen, mean_square_difference};
 use super::policy::{
-    AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, RACE_STEPS, RACED, RIVAL_COST, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE,
-    TRACE, WEAKER,
+    AT_FLOOR, DEAR_STEPS, FREED_ROUNDS, NOTHING_MORE, OBSERVED_STEPS, RACE_STEPS, RACED, RIVAL_COST, STEPS,
+    STEPS_DEAR, STEPS_PER_SAMPLE, TRACE, WEAKER,
 };
 use super::screen::Known;
 use super::starts::{freed, mixed_by_place, weakened, weakest, with_nominal_base};
@@ -353,8 +353,15 @@ impl<'a> Models<'a> {
                 self.with_longer_memory(candidate).unwrap_or_else(|| self.rescaled(candidate).values);
             let start = within_half_a_period(model.parameters(), &values);
             let mut fit = from(start)?;
-            for start in freed(model.as_ref(), &candidate.fit.values) {
-                fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
+            // What lies far from the value that was held is several steps away.
+            for _ in 0..if self.dear { 1 } else { FREED_ROUNDS as usize } {
+                let before = fit.cost;
+                for start in freed(model.as_ref(), &fit.values) {
+                    fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
+                }
+                if fit.cost > before - NOTHING_MORE {
+                    break;
+                }
             }
             Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
         };

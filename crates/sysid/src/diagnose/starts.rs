@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use sealegs_model::{Model, Parameter};
 use std::collections::BTreeSet;
 
-/// Ratios to its nominal value from which a parameter that is free at last starts again: its prior is 50 %.
+/// Ratios to its fitted value from which a parameter that is free at last starts again: its prior is 50 %.
 const FREED: [f64; 2] = [0.6, 1.4];
 
 /// Values with the amplitudes of what a model has beyond a candidate's effects a part as strong.
@@ -74,11 +74,12 @@ pub(super) fn mixed_by_place(
     values
 }
 
-/// Values with other starts of what a last fit frees: with it the search stayed in the minimum of its nominal value,
+/// Values with other starts of what a last fit frees: with it the search stayed in the minimum of the value that it held,
 /// and another one may be lower.
 pub(super) fn freed(model: &dyn Model, values: &[f64]) -> Vec<Vec<f64>> {
     let parameters = model.parameters().iter().enumerate().filter(|(_, p)| p.freed_at_last);
-    let starts = parameters.flat_map(|(i, p)| FREED.map(|ratio| (i, (ratio * p.value).clamp(p.min, p.max))));
+    let starts =
+        parameters.flat_map(|(i, p)| FREED.map(|ratio| (i, (ratio * values[i]).clamp(p.min, p.max))));
     starts
         .map(|(i, value)| {
             let mut start = values.to_vec();
