@@ -249,6 +249,8 @@ fn search<'a>(
     let open = search.models.open_choices(&others, &search.tried[chosen]);
     let chosen = if search.leaves_something(chosen) { search.simplified(chosen, &mut tied) } else { chosen };
     let chosen = search.without_traces(chosen, &mut tied);
+    // A simpler set that took the place of the one that was fitted to the end is not fitted to the end itself.
+    search.finish(&[chosen]);
     search.finish(&search.compared_with(chosen));
     let search::Search { models, tried, promises, .. } = search;
     (Found { tried, chosen, tied, same, open, promises, laws: Vec::new(), base_as_searched }, models)
