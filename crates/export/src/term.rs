@@ -85,6 +85,11 @@ pub enum Term {
         stiffness: f64,
         mass: f64,
     },
+    /// Of a drive without a spring: what lies between its rotor and its load.
+    Transmission {
+        stiffness: f64,
+        gap: f64,
+    },
     Mode {
         frequency_hz: f64,
         ratio: f64,
@@ -187,6 +192,8 @@ impl Term {
             ("spring-hysteresis", &[stiffness, force]) => Self::SpringSlip { stiffness, force },
             ("backlash", &[gap]) => Self::Backlash { gap },
             ("series-compliance", &[stiffness, mass]) => Self::Series { stiffness, mass },
+            ("backlash", &[gap, stiffness]) => Self::Transmission { stiffness, gap },
+            ("series-compliance", &[stiffness]) => Self::Transmission { stiffness, gap: 0.0 },
             ("structural-mode", &[frequency_hz, ratio, participation]) => {
                 Self::Mode { frequency_hz, ratio, participation }
             }
@@ -310,6 +317,16 @@ mod tests {
                 None => assert_eq!(term, Term::Unknown, "{}", card.id),
             }
             named.push(card.id);
+        }
+        let loaded = Setting { has_spring: false, has_load: true, ..Setting::unknown() };
+        for effect in CATALOGUE.iter().map(|e| e.card(&loaded)).filter(|c| c.acts_on == "transmission") {
+            let parameters: Vec<(String, f64)> =
+                effect.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
+            assert!(
+                matches!(Term::of(&effect.id, &parameters, None), Term::Transmission { .. }),
+                "{}",
+                effect.id
+            );
         }
         assert!(NAMED.iter().all(|id| named.iter().any(|n| n == id)));
     }
