@@ -86,10 +86,7 @@ pub enum Term {
         mass: f64,
     },
     /// Of a drive without a spring: what lies between its rotor and its load.
-    Transmission {
-        stiffness: f64,
-        gap: f64,
-    },
+    Transmission,
     Mode {
         frequency_hz: f64,
         ratio: f64,
@@ -191,9 +188,9 @@ impl Term {
             ("spring-damping", &[damping]) => Self::SpringDamping { damping },
             ("spring-hysteresis", &[stiffness, force]) => Self::SpringSlip { stiffness, force },
             ("backlash", &[gap]) => Self::Backlash { gap },
+            ("series-compliance", &[_, _]) if parameters[1].0 == "damping_ratio" => Self::Transmission,
             ("series-compliance", &[stiffness, mass]) => Self::Series { stiffness, mass },
-            ("backlash", &[gap, stiffness]) => Self::Transmission { stiffness, gap },
-            ("series-compliance", &[stiffness]) => Self::Transmission { stiffness, gap: 0.0 },
+            ("backlash", &[_, _]) => Self::Transmission,
             ("structural-mode", &[frequency_hz, ratio, participation]) => {
                 Self::Mode { frequency_hz, ratio, participation }
             }
@@ -322,11 +319,7 @@ mod tests {
         for effect in CATALOGUE.iter().map(|e| e.card(&loaded)).filter(|c| c.acts_on == "transmission") {
             let parameters: Vec<(String, f64)> =
                 effect.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
-            assert!(
-                matches!(Term::of(&effect.id, &parameters, None), Term::Transmission { .. }),
-                "{}",
-                effect.id
-            );
+            assert!(matches!(Term::of(&effect.id, &parameters, None), Term::Transmission), "{}", effect.id);
         }
         assert!(NAMED.iter().all(|id| named.iter().any(|n| n == id)));
     }

@@ -8,8 +8,8 @@ use sealegs_model::{EffectCard, Parameter};
 /// The widest gap where the output moves, in deflections.
 const WIDEST_WHERE_OUTPUT_MOVES: f64 = 100.0;
 
-/// Stiffness of gear teeth in contact, in peak forces over the travel: they yield by a thousandth of it.
-const CONTACT: f64 = 1000.0;
+/// Stiffness of gear teeth in contact, in peak forces over the travel: they yield by a four hundredth of it.
+const CONTACT: f64 = 400.0;
 
 /// Play in line with the spring, or between the rotor and the load of a drive without one: a dead zone in deflection.
 #[derive(Debug)]
@@ -21,14 +21,15 @@ impl Effect for Backlash {
         // In a locked actuator a gap beyond the deflection would be free of all force; behind a moving output a light
         // load hardly deflects the spring and still crosses a wide gap.
         let widest = if setting.output_moves { WIDEST_WHERE_OUTPUT_MOVES } else { 2.0 };
+        let contact = setting.transmission_stiffness(CONTACT);
         let parameters = if setting.has_load {
             vec![
                 with_starts(
                     setting.amount("gap", Quantity::Length, 0.02 * length, 0.5 * length),
                     [0.003, 0.01, 0.05, 0.12].map(|share| share * length),
                 ),
-                // How stiff gear teeth are hardly shows beside how far apart they are.
-                Parameter { fixed: true, freed_at_last: true, ..setting.transmission_stiffness(CONTACT) },
+                // How stiff gear teeth are hardly shows where they are stiff.
+                Parameter { prior_std: Some(contact.value), ..contact },
             ]
         } else {
             vec![with_starts(
@@ -63,8 +64,11 @@ impl Effect for Backlash {
         match values {
             // Without a gap the teeth are in contact for good, and what yields there is another effect.
             [gap, stiffness] if *gap > 0.0 => {
-                plant.transmission =
-                    plant.transmission.in_series(Transmission { stiffness: *stiffness, gap: *gap });
+                plant.transmission = plant.transmission.in_series(Transmission {
+                    stiffness: *stiffness,
+                    gap: *gap,
+                    ..Transmission::RIGID
+                });
             }
             [gap] => plant.laws.spring_path.push(Box::new(DeadZone { half_gap: 0.5 * gap })),
             _ => {}

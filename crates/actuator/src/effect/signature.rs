@@ -138,7 +138,7 @@ impl Pair<'_> {
     }
 
     fn transmission(&self) -> Option<Graph> {
-        let Transmission { stiffness, gap } = self.with.transmission;
+        let Transmission { stiffness, gap, .. } = self.with.transmission;
         if self.with.transmission == self.without.transmission {
             return None;
         }

@@ -14,23 +14,27 @@ use super::{Link, Plant, SpringPath};
 pub struct Transmission {
     /// N/m; infinite where it does not yield.
     pub stiffness: f64,
+    /// Of rotor against load in contact.
+    pub damping_ratio: f64,
     /// Width of the play, m.
     pub gap: f64,
 }
 
 impl Transmission {
     /// Neither yields nor has play.
-    pub const RIGID: Self = Self { stiffness: f64::INFINITY, gap: 0.0 };
+    pub const RIGID: Self =
+        Self { stiffness: f64::INFINITY, damping_ratio: TRANSMISSION_DAMPING_RATIO, gap: 0.0 };
 
-    /// The same in series with another one.
+    /// The same in series with another one. The softer one is what moves, and its damping counts.
     #[must_use]
     pub fn in_series(self, other: Self) -> Self {
+        let softer = if other.stiffness < self.stiffness { other } else { self };
         let stiffness = 1.0 / (1.0 / self.stiffness + 1.0 / other.stiffness);
-        Self { stiffness, gap: self.gap + other.gap }
+        Self { stiffness, gap: self.gap + other.gap, ..softer }
     }
 }
 
-/// Damping ratio of rotor against load in contact: gear teeth have 0.03 to 0.17 (R. Kasuba and J. W. Evans 1981, J.
+/// Damping ratio of rotor against load where none is known: gear teeth have 0.03 to 0.17 (R. Kasuba and J. W. Evans 1981, J.
 /// Mechanical Design 103(2)), and a hit is over within a few of their oscillations whatever it is.
 pub const TRANSMISSION_DAMPING_RATIO: f64 = 0.1;
 
@@ -42,13 +46,15 @@ impl Plant {
     /// Lets rotor and load of a drive without a spring move on their own where its transmission yields. A load without mass
     /// has no motion of its own, and stays with the rotor.
     pub(crate) fn part_at_transmission(&mut self) {
-        let (Some(load), Transmission { stiffness, gap }) = (self.rigid, self.transmission) else { return };
+        let (Some(load), Transmission { stiffness, damping_ratio, gap }) = (self.rigid, self.transmission)
+        else {
+            return;
+        };
         if !stiffness.is_finite() || load.mass_kg() <= 0.0 {
             return;
         }
         (self.rigid, self.link_2, self.stiffness) = (None, load, stiffness);
-        self.laws.spring_damping =
-            2.0 * TRANSMISSION_DAMPING_RATIO * (stiffness * self.rotor_against_load()).sqrt();
+        self.laws.spring_damping = 2.0 * damping_ratio * (stiffness * self.rotor_against_load()).sqrt();
         if gap > 0.0 {
             self.laws.spring_path.push(Box::new(DeadZone { half_gap: 0.5 * gap }));
         }
@@ -125,7 +131,7 @@ mod tests {
         assert!(plant.rigid.is_some() && !plant.is_parted());
         let mut unloaded = Plant::new(0.01, 0.0, 0.0, 0.0);
         unloaded.rigid = Some(Link::Mass(0.0));
-        unloaded.transmission = Transmission { stiffness: 20.0, gap: 0.0 };
+        unloaded.transmission = Transmission { stiffness: 20.0, ..Transmission::RIGID };
         unloaded.part_at_transmission();
         assert!(!unloaded.is_parted());
     }
@@ -134,7 +140,7 @@ mod tests {
     fn analytic_two_masses_on_a_spring() {
         // Under a constant torque the mass centre accelerates by T / (m_1 + m_2), and the deflection approaches
         // T m_2 / (k (m_1 + m_2)) with w = sqrt(k / m), m = m_1 m_2 / (m_1 + m_2), damped by a tenth.
-        let plant = drive(Transmission { stiffness: 20.0, gap: 0.0 });
+        let plant = drive(Transmission { stiffness: 20.0, ..Transmission::RIGID });
         let trace = run(&plant, 1e-3, |_| 0.4);
         let w = (20.0_f64 / 0.0075).sqrt();
         let (damped, rate) = (w * (1.0 - 0.01_f64).sqrt(), 0.1 * w);
@@ -153,7 +159,7 @@ mod tests {
 
     #[test]
     fn analytic_the_load_stays_until_the_play_is_crossed() {
-        let plant = drive(Transmission { stiffness: 400.0, gap: 0.02 });
+        let plant = drive(Transmission { stiffness: 400.0, gap: 0.02, ..Transmission::RIGID });
         // From the middle, 0.01 rad at 0.2 / 0.01 rad/s^2: sqrt(2 * 0.01 / 20) = 31.6 ms.
         let trace = run(&plant, 1e-4, |_| 0.2);
         let early = trace.link_2_position[..310].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -166,7 +172,7 @@ mod tests {
 
     #[test]
     fn play_converges_with_the_step_and_gains_no_energy() {
-        let plant = drive(Transmission { stiffness: 200.0, gap: 0.01 });
+        let plant = drive(Transmission { stiffness: 200.0, gap: 0.01, ..Transmission::RIGID });
         let torque = |t: f64| 0.3 * (9.0 * t).sin();
         let finest = run(&plant, 1e-5, torque).link_2_position;
         let off = |h: f64, every: usize| {
@@ -190,7 +196,7 @@ mod tests {
     fn a_held_pendulum_begins_at_rest() {
         let mut plant = drive(Transmission::RIGID);
         plant.rigid = Some(Link::Pendulum { inertia_kg_m2: 0.03, gravity_torque_nm: 1.2, arm_m: 1.0 });
-        plant.transmission = Transmission { stiffness: 60.0, gap: 0.02 };
+        plant.transmission = Transmission { stiffness: 60.0, gap: 0.02, ..Transmission::RIGID };
         plant.part_at_transmission();
         plant.start = (0.5, 0.0);
         let trace = run(&plant, 1e-3, |_| 1.2 * 0.5_f64.sin());
