@@ -97,7 +97,7 @@ impl DrivenRobot {
         Ok(Self {
             name: "bench".to_owned(),
             title: model.name(),
-            robot: bench_robot(name, slides, plant.rigid.unwrap_or(Load::Fixed)),
+            robot: bench_robot(name, slides, plant.rigid.unwrap_or(plant.link_2)),
             joints: vec![DrivenJoint { name: name.to_owned(), drive, command, arm, channels }],
             gravity_m_s2: GRAVITY_M_S2,
             starts: starts.into_iter().collect(),

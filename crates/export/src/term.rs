@@ -85,6 +85,8 @@ pub enum Term {
         stiffness: f64,
         mass: f64,
     },
+    /// Of a drive without a spring: what lies between its rotor and its load.
+    Transmission,
     Mode {
         frequency_hz: f64,
         ratio: f64,
@@ -186,7 +188,9 @@ impl Term {
             ("spring-damping", &[damping]) => Self::SpringDamping { damping },
             ("spring-hysteresis", &[stiffness, force]) => Self::SpringSlip { stiffness, force },
             ("backlash", &[gap]) => Self::Backlash { gap },
+            ("series-compliance", &[_, _]) if parameters[1].0 == "damping_ratio" => Self::Transmission,
             ("series-compliance", &[stiffness, mass]) => Self::Series { stiffness, mass },
+            ("backlash", &[_, _]) => Self::Transmission,
             ("structural-mode", &[frequency_hz, ratio, participation]) => {
                 Self::Mode { frequency_hz, ratio, participation }
             }
@@ -310,6 +314,12 @@ mod tests {
                 None => assert_eq!(term, Term::Unknown, "{}", card.id),
             }
             named.push(card.id);
+        }
+        let loaded = Setting { has_spring: false, has_load: true, ..Setting::unknown() };
+        for effect in CATALOGUE.iter().map(|e| e.card(&loaded)).filter(|c| c.acts_on == "transmission") {
+            let parameters: Vec<(String, f64)> =
+                effect.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
+            assert!(matches!(Term::of(&effect.id, &parameters, None), Term::Transmission), "{}", effect.id);
         }
         assert!(NAMED.iter().all(|id| named.iter().any(|n| n == id)));
     }

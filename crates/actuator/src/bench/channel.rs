@@ -94,6 +94,7 @@ pub(super) fn sense(
                     (&mut trace.screw_position, 1.0 / arm_m)
                 }
                 "joint_angle_rad" | "position_m" => (&mut trace.link_2_position, 1.0 / arm_m),
+                "speed_m_s" | "speed_rad_s" if plant.is_parted() => (&mut trace.link_2_speed, 1.0 / arm_m),
                 "speed_m_s" | "speed_rad_s" => (&mut trace.screw_speed, 1.0 / arm_m),
                 // The logger's torque is the deflection times the stiffness that it was told.
                 "spring_torque_nm" => (deflection(&mut trace), nominal_stiffness),

@@ -87,6 +87,8 @@ pub struct BenchModel {
     observed: Option<Arc<observed::Observed>>,
     /// What runs have of their own, by their records' names.
     runs: Vec<RunSetup>,
+    /// Whether rotor and load of a drive without a spring move as one, whatever lies between them.
+    joined: bool,
 }
 
 impl BenchModel {
@@ -125,6 +127,7 @@ impl BenchModel {
             own,
             observed: None,
             runs: Vec::new(),
+            joined: false,
         };
         for effect in wanted {
             let seen = Excitation { measured: OUTPUTS.map(str::to_owned).to_vec(), ..Excitation::default() };
@@ -151,6 +154,12 @@ impl BenchModel {
     pub fn with_step(mut self, step_s: f64) -> Self {
         self.step_s = step_s;
         self
+    }
+
+    /// The same drive for a machine that has one coordinate for rotor and load: it offers nothing that parts them.
+    #[must_use]
+    pub fn joined(self) -> Self {
+        Self { joined: true, ..self }
     }
 
     /// The same model with what runs have of their own: rig, start and servo gain.
@@ -312,6 +321,7 @@ impl BenchModel {
             let own = &values[included.first..included.first + included.count];
             included.effect.get().install(own, included.channel.as_deref(), &mut plant);
         }
+        plant.part_at_transmission();
         Ok(plant)
     }
 
@@ -340,7 +350,7 @@ impl BenchModel {
         let enough = (record.hold == InputHold::BandLimited).then_some(SMOOTH_STEPS_PER_PERIOD);
         let period_s = record.mean_period_s();
         let fewer = [enough, self.steps_per_sample].into_iter().flatten().map(|n| period_s / n);
-        let step_s = fewer.fold(self.step_s, f64::max);
+        let step_s = fewer.fold(self.step_s, f64::max).min(plant.longest_step_s());
         let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);

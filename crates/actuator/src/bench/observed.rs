@@ -27,7 +27,10 @@ const SPRING: [(&str, bool); 5] = [
 ];
 
 /// Channels that tell where the output of a drive without a spring is.
-const OUTPUT: [&str; 3] = ["position_m", "joint_angle_rad", "motor_angle_rad"];
+const OUTPUT: [&str; 3] = ["position_m", "joint_angle_rad", ROTOR];
+
+/// The rotor's own.
+const ROTOR: &str = "motor_angle_rad";
 
 impl Observed {
     /// The motions that these records measured; `None` if one measured neither rotor nor spring, or of a drive without a
@@ -35,7 +38,7 @@ impl Observed {
     pub fn of(records: &[&Record], rigid: bool) -> Option<Self> {
         let of_spring = |name: &str| SPRING.iter().any(|(s, _)| *s == name);
         let tells = |name: &str| {
-            if rigid { OUTPUT.contains(&name) } else { name == "motor_angle_rad" || of_spring(name) }
+            if rigid { OUTPUT.contains(&name) } else { name == ROTOR || of_spring(name) }
         };
         let runs = records
             .iter()
@@ -70,7 +73,7 @@ impl Observed {
 
     /// The rotor's extension, m, from its encoder, else from the spring and the joint.
     fn rotor(&self, record: &Record, plant: &Plant, arm_m: Option<f64>) -> Option<ReferenceMotion> {
-        if let Some(angle) = self.channel(record, "motor_angle_rad") {
+        if let Some(angle) = self.channel(record, ROTOR) {
             return Some(angle.scaled(plant.travel_per_rad));
         }
         let (spring, is_force) =
@@ -102,14 +105,19 @@ impl Observed {
         // Gains follow from nominal values: they must not change while a fit moves the parameters.
         let mass = c.total_mass();
         let load = model.bench_of(&record.name).links().1.mass_kg();
-        if plant.rigid.is_some() {
+        if model.spec.is_rigid() {
             let (channel, scale) = self.output(record, plant, model.bench_of(&record.name).arm_m())?;
             let rate = rigid_observer_rate(grid.step_s, record.mean_period_s());
-            let pull = Pull::on(self.on_grid(record, channel, grid)?, scale, mass + load, rate);
-            return Some(Observer { rotor: Some(pull), output: None });
+            let to = self.on_grid(record, channel, grid)?;
+            // Where rotor and load move on their own, the one that was measured is pulled.
+            return Some(match (plant.is_parted(), channel == ROTOR) {
+                (true, true) => Observer { rotor: Some(Pull::on(to, scale, mass, rate)), output: None },
+                (true, false) => Observer { rotor: None, output: Some(Pull::on(to, scale, load, rate)) },
+                (false, _) => Observer { rotor: Some(Pull::on(to, scale, mass + load, rate)), output: None },
+            });
         }
         let rate = |mass: f64| observer_rate(c.stiffness, mass, grid.step_s, record.mean_period_s());
-        let rotor = match self.on_grid(record, "motor_angle_rad", grid) {
+        let rotor = match self.on_grid(record, ROTOR, grid) {
             Some(to) => Some(Pull::on(to, plant.travel_per_rad, mass, rate(mass))),
             None => self.rotor(record, plant, arm_m).map(|to| {
                 let to = Arc::new(to.curved(grid, &record.time_s));
@@ -133,8 +141,12 @@ impl Observed {
         let (grid, time_s) = (&trace.grid, &record.time_s);
         let at = |values: &[f64]| sample(values, grid, time_s, 0.0);
         let signal = |port: &str, values| Signal { channel: format!("{}{port}", internal::MISSING), values };
-        if plant.rigid.is_some() {
+        if plant.rigid.is_some() || plant.is_parted() {
             let Some((channel, scale)) = self.output(record, plant, arm_m) else { return Vec::new() };
+            if plant.is_parted() && channel != ROTOR {
+                // The same balance seen from the load: what it lacks the rotor would have to bring.
+                return vec![signal("rotor", crate::plant::pull_at(&trace.output_pull, grid, time_s))];
+            }
             let speed = self.channel(record, channel).map_or(&[][..], |m| &m.speed);
             let v = at(&trace.screw_speed);
             let pull = crate::plant::pull_at(&trace.rotor_pull, grid, time_s);
@@ -147,7 +159,7 @@ impl Observed {
         let pull = crate::plant::pull_at(&trace.rotor_pull, grid, time_s);
         let force = at(&trace.force_1);
         let measured = ["force_1_n", "output_torque_nm"].iter().find_map(|c| self.channel(record, c));
-        let has_encoder = self.channel(record, "motor_angle_rad").is_some();
+        let has_encoder = self.channel(record, ROTOR).is_some();
         let (mut rotor, mut spring) = (Vec::with_capacity(y.len()), Vec::with_capacity(y.len()));
         for i in 0..y.len() {
             let lag = plant.stiffness * (reference.position[i] - y[i]);

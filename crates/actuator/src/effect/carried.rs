@@ -3,7 +3,7 @@
 use super::{Effect, Setting};
 use crate::plant::{Link, Plant, Servo, Winding};
 
-/// Whether all that an effect changes is the actuator's own: its laws, and a compliance behind its screw. What changes
+/// Whether all that an effect changes is the actuator's own: its laws, and what yields behind its screw. What changes
 /// anything else (links, load, mounting, a servo's loop), or is fed with what a bench has logged, belongs to a bench,
 /// and a leg refuses it.
 #[must_use]
@@ -21,6 +21,7 @@ pub fn is_of_actuator(effect: &dyn Effect) -> bool {
         link_1,
         link_2,
         rigid,
+        transmission: _,
         start,
         winding,
         servo,

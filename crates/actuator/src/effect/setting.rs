@@ -82,6 +82,8 @@ pub struct Setting {
     pub stiffness: f64,
     /// Whether there is a spring.
     pub has_spring: bool,
+    /// Whether a drive without a spring turns a load that may move on its own.
+    pub has_load: bool,
     /// What the input is.
     pub command: CommandKind,
     /// The winding of a motor whose command is a voltage or a goal, or may be one.
@@ -112,6 +114,7 @@ impl Setting {
             kind: ActuatorKind::Linear,
             stiffness: 1.0,
             has_spring: true,
+            has_load: false,
             command: CommandKind::Unknown,
             winding: None,
             total_mass: 1.0,
@@ -170,6 +173,16 @@ impl Setting {
     #[must_use]
     pub fn command(&self) -> f64 {
         self.force() / self.force_per_command
+    }
+
+    /// A stiffness of the transmission of a drive without a spring: so many times the greatest force over the travel that was
+    /// seen, the first guess at 100. Below the least the load would swing on it over a third of the travel; beyond the
+    /// greatest it yields by less than a three thousandth.
+    #[must_use]
+    pub fn transmission_stiffness(&self, guess: f64) -> Parameter {
+        let k = self.stiffness;
+        let p = self.magnitude("stiffness", Quantity::Stiffness, guess * k, 3.0 * k, 3000.0 * k);
+        with_neutral(p, f64::INFINITY)
     }
 
     /// Natural frequency of the locked actuator, Hz.

@@ -5,7 +5,7 @@
 //! its picture unasked.
 
 use super::setting::{ActuatorKind, Setting};
-use crate::plant::{Link, Plant, Slip};
+use crate::plant::{Link, Plant, Slip, Transmission};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -97,6 +97,7 @@ pub(crate) fn law(without: &Plant, with: &Plant, setting: &Setting) -> Option<Gr
         .or_else(|| pair.on_rotor())
         .or_else(|| pair.spring())
         .or_else(|| pair.series())
+        .or_else(|| pair.transmission())
         .or_else(|| pair.mounting())
         .or_else(|| pair.sensor())
         .or_else(|| pair.on_output())
@@ -134,6 +135,18 @@ impl Pair<'_> {
             Link::Pendulum { arm_m, .. } => Some(arm_m),
             _ => None,
         }
+    }
+
+    fn transmission(&self) -> Option<Graph> {
+        let Transmission { stiffness, gap, .. } = self.with.transmission;
+        if self.with.transmission == self.without.transmission {
+            return None;
+        }
+        let most = 0.5 * gap + 1.3 * self.setting.force() / stiffness;
+        let force = |ahead: f64| stiffness * (ahead - ahead.clamp(-0.5 * gap, 0.5 * gap));
+        let across = ("rotor ahead of load", self.length_unit());
+        let graph = Graph::new("Force in the transmission", across, ("force", self.force_unit()));
+        Some(graph.sweep("", (-most, most), force))
     }
 
     fn command(&self) -> Option<Graph> {

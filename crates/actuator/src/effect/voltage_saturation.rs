@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn a_simulation_that_diverges_beside_it_ends_with_an_error() {
+    fn a_winding_without_resistance_holds_the_rotor() {
         let spec = crate::ActuatorSpec::preset("thor-linear").unwrap();
         let bench = crate::bench::BenchModel::new(spec, crate::bench::Bench::Locked).unwrap();
         let seen = sealegs_model::Excitation::default();
@@ -126,6 +126,8 @@ mod tests {
             })
             .collect();
         model = model.coarser(4.0);
-        assert!(model.predict(&values, &record, &["force_1_n".to_owned()]).is_err());
+        let force = model.predict(&values, &record, &["force_1_n".to_owned()]).unwrap();
+        let most = force.outputs[0].values.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        assert!(most < 1.0, "{most}");
     }
 }

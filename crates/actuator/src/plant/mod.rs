@@ -16,7 +16,8 @@
 //! output.
 //!
 //! A drive without a spring ([`Plant::rigid`]) has one coordinate, its output's: the rotor turns its load directly, and
-//! [`Plant::servo`] may close a position loop around it.
+//! [`Plant::servo`] may close a position loop around it. Where its [`Transmission`] yields or has play, rotor and load are the
+//! two ends of a spring as above, without a sprung mass.
 
 mod command;
 mod energy;
@@ -29,6 +30,7 @@ mod observer;
 mod ports;
 mod servo;
 mod trace;
+mod transmission;
 
 pub use command::{Grid, mean_per_step};
 pub use energy::EnergyLedger;
@@ -43,6 +45,8 @@ pub use ports::{
 };
 pub use servo::{Feed, Servo, Winding};
 pub use trace::{Trace, sample};
+pub(crate) use transmission::DeadZone;
+pub use transmission::{TRANSMISSION_DAMPING_RATIO, Transmission};
 
 /// Gravitational acceleration, m/s^2.
 pub const GRAVITY_M_S2: f64 = 9.81;
@@ -143,6 +147,8 @@ pub struct Plant {
     pub link_2: Link,
     /// The load of a drive without a spring, which moves with the rotor; links, spring and sprung mass are then none.
     pub rigid: Option<Link>,
+    /// What lies between rotor and load of a drive without a spring.
+    pub transmission: Transmission,
     /// Position (m) and speed (m/s) of the output at the start; only a drive without a spring may start in motion.
     pub start: (f64, f64),
     /// The winding, where the command is a voltage or a servo makes one.
@@ -178,6 +184,7 @@ impl Plant {
             link_1: Link::Fixed,
             link_2: Link::Fixed,
             rigid: None,
+            transmission: Transmission::RIGID,
             start: (0.0, 0.0),
             winding: None,
             servo: None,

@@ -25,6 +25,8 @@ pub struct Trace {
     pub deflection: Vec<f64>,
     /// Position of link 2 along the axis, m; empty if it is fixed.
     pub link_2_position: Vec<f64>,
+    /// Its rate, m/s, where it is the load of a drive without a spring; empty otherwise.
+    pub link_2_speed: Vec<f64>,
     /// Position of link 1 along the axis, m; empty if it is fixed.
     pub link_1_position: Vec<f64>,
     /// Force of an [`super::Observer`] on the rotor over the step that ends at the point, N; empty without one.
@@ -47,9 +49,19 @@ impl Trace {
             motor_force: room(true),
             deflection: room(at.count > 1),
             link_2_position: room(at.link_2.is_some()),
+            link_2_speed: room(plant.is_parted()),
             link_1_position: room(at.link_1.is_some()),
             rotor_pull: Vec::new(),
             output_pull: Vec::new(),
+        }
+    }
+
+    /// Position (m) and speed (m/s) of the output of a drive without a spring, at every point.
+    #[must_use]
+    pub fn output(&self) -> (&[f64], &[f64]) {
+        match self.link_2_speed.is_empty() {
+            true => (&self.screw_position, &self.screw_speed),
+            false => (&self.link_2_position, &self.link_2_speed),
         }
     }
 

@@ -50,6 +50,8 @@ pub(super) fn validate(spec: &ActuatorSpec) -> Result<(), ActuatorError> {
         let settings = [1.0, 2.0].map(|force_per_command| Setting {
             kind: if spec.kind == Kind::Rotary { ActuatorKind::Rotary } else { ActuatorKind::Linear },
             force_per_command,
+            has_spring: !spec.is_rigid(),
+            has_load: spec.is_rigid(),
             ..Setting::unknown()
         });
         let cards: Vec<_> = CATALOGUE.iter().flat_map(|e| settings.iter().map(|s| e.card(s))).collect();

@@ -82,7 +82,9 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
             Term::Own(own) if matches!(own.acts_on.as_str(), "rotor" | "drive" | "spring" | "output") => {
                 callback("your law as a force")
             }
-            Term::Own(_) | Term::Unknown => Note::lost(id, "this writer does not know the effect"),
+            Term::Own(_) | Term::Transmission | Term::Unknown => {
+                Note::lost(id, "this writer does not know the effect")
+            }
         });
     }
     notes.extend(of_the_log(&bench.sensors, bench.logger));

@@ -141,6 +141,9 @@ fn effect(id: &str, term: &Term, joint: &DrivenJoint, (python, class): (&str, &s
         Term::Own(own) if matches!(own.acts_on.as_str(), "rotor" | "drive" | "output") => {
             callback("your law as a force")
         }
+        Term::Transmission => {
+            Note::lost(id, "rotor and load are one body here, which neither yields nor has play")
+        }
         _ => Note::lost(id, "this writer has no element for it at a drive without a spring"),
     }
 }

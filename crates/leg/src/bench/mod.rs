@@ -17,6 +17,7 @@ mod links;
 mod model;
 mod observed;
 mod simulate;
+mod stated;
 mod tree;
 
 pub use described::DrivenJoint;

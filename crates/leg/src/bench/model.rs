@@ -5,18 +5,18 @@ use super::joint::{Column, Joint};
 use super::links::{self, LinkParameters};
 use super::observed::Observed;
 use super::simulate::{JointTrace, Machine};
+use super::stated::with_embedded;
 use super::tree::Tree;
 use crate::LegError;
 use crate::error::nearest;
 use crate::robot::{JointKind, Robot};
 use sealegs_actuator::bench::{Bench, BenchModel, command_times, start_of};
-use sealegs_actuator::effect::{Effect, OwnEffect};
+use sealegs_actuator::effect::Effect;
 use sealegs_actuator::plant::{Grid, Plant, mean_per_step, sample};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_actuator::{ActuatorSpec, Kind};
 use sealegs_model::{
-    EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, SignalRange,
-    internal,
+    EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 /// A robot on a fixed base or a rail with a torque drive on every joint.
 #[derive(Debug, Clone)]
 pub struct RobotModel {
-    file: Arc<RobotFile>,
+    pub(super) file: Arc<RobotFile>,
     name: String,
     pub(super) robot: Arc<Robot>,
     pub(super) tree: Tree,
@@ -102,7 +102,7 @@ impl RobotModel {
             spec.effects.clear();
             // What the URDF states of the joint's viscous loss is its own, beside the drive's.
             spec.motor.rotor_damping_nm_s += joint.damping * spec.ratio() * spec.ratio();
-            let model = BenchModel::with_own_effects(spec, Bench::Free { load }, own.clone())?;
+            let model = BenchModel::with_own_effects(spec, Bench::Free { load }, own.clone())?.joined();
             let mut at = Vec::new();
             for p in Model::parameters(&model) {
                 let shared = SHARED.contains(&p.name.as_str());
@@ -135,54 +135,6 @@ impl RobotModel {
         };
         model.take_stated()?;
         Ok(model)
-    }
-
-    /// Puts the values and effects of the file into the model.
-    fn take_stated(&mut self) -> Result<(), LegError> {
-        let file = self.file.clone();
-        let bad = |field: String, problem: String| LegError::scenario(&file.robot, &field, problem);
-        for (name, given) in &file.parameters {
-            let Some(p) = self.parameters.iter_mut().find(|p| p.name == *name) else {
-                let hint = nearest(name, self.parameters.iter().map(|p| p.name.as_str()))
-                    .map(|n| format!("; did you mean '{n}'?"))
-                    .unwrap_or_default();
-                return Err(bad(format!("parameters.{name}"), format!("no such parameter{hint}")));
-            };
-            if !given.value.is_finite() {
-                return Err(bad(format!("parameters.{name}"), format!("is {}; must be finite", given.value)));
-            }
-            p.value = given.value;
-            p.prior_std = given.std.filter(|s| *s > 0.0).or(p.prior_std);
-            (p.min, p.max) = (p.min.min(given.value), p.max.max(given.value));
-        }
-        // What a command counts in names some parameters: a limit is one of the joints' efforts, or a current as in the catalogue.
-        let command = |joint: &Joint| SignalRange { name: joint.command(), min: -1.0, max: 1.0, rms: 1.0 };
-        let commanded =
-            Excitation { ranges: self.joints.iter().map(command).collect(), ..Excitation::default() };
-        for effect in &file.effects {
-            let before = self.parameters.len();
-            let including = |seen| {
-                let with = self.including(&effect.id, seen);
-                with.map_err(|e| bad(format!("effect.{}", effect.id), e.to_string()))
-            };
-            let has = |model: &Self, name| {
-                let full = format!("{}.{name}", effect.id);
-                model.parameters[before..].iter().any(|p| p.name == full)
-            };
-            let mut with = including(&commanded)?;
-            if !effect.parameters.keys().all(|name| has(&with, name)) {
-                with = including(&Excitation::default())?;
-            }
-            *self = with;
-            for (name, given) in &effect.parameters {
-                let full = format!("{}.{name}", effect.id);
-                let Some(p) = self.parameters[before..].iter_mut().find(|p| p.name == full) else {
-                    return Err(bad(format!("effect.{full}"), "no parameter of this effect".to_owned()));
-                };
-                effect.state(*given, p);
-            }
-        }
-        Ok(())
     }
 
     /// The same model with the starts of these records, taken from their first rows.
@@ -382,23 +334,6 @@ impl RobotModel {
         }
         Ok(Prediction { outputs, internals, events: Vec::new() })
     }
-}
-
-/// The own effects that a file's effects define, beside those `given`, each id once.
-fn with_embedded(file: &RobotFile, given: &[Arc<dyn Effect>]) -> Result<Vec<Arc<dyn Effect>>, LegError> {
-    let mut own = given.to_vec();
-    let mut known: Vec<&toml::Value> =
-        given.iter().filter_map(|e| e.definition().and_then(|d| d.get("id"))).collect();
-    for effect in &file.effects {
-        let Some(definition) = &effect.definition else { continue };
-        let id = definition.get("id");
-        if id.is_none_or(|id| !known.contains(&id)) {
-            let origin = format!("effect.{}.definition", effect.id);
-            own.push(Arc::new(OwnEffect::from_definition(definition, &origin)?));
-            known.extend(id);
-        }
-    }
-    Ok(own)
 }
 
 impl Model for RobotModel {

@@ -50,6 +50,7 @@ pub(super) fn setting(place: &str, leg: &LegSetting) -> Setting {
         kind: if kind == Kind::Rotary { ActuatorKind::Rotary } else { ActuatorKind::Linear },
         stiffness: c.stiffness,
         has_spring: true,
+        has_load: false,
         command: CommandKind::Unknown,
         winding: None,
         total_mass: c.total_mass(),

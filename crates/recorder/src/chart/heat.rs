@@ -85,13 +85,17 @@ impl Picture for HeatMap {
         // Crowded column names are left out one after another.
         let widest = self.columns.iter().map(|c| text_width(c, 12.0)).fold(0.0, f64::max) + 6.0;
         let every = if self.names { 1 } else { (widest / cell_width).ceil().max(1.0) as usize };
-        for (i, column) in self.columns.iter().enumerate().step_by(every) {
+        let shown = match self.names {
+            true => told_apart(&self.columns, cell_width - 2.0),
+            false => self.columns.clone(),
+        };
+        for (i, column) in shown.iter().enumerate().step_by(every) {
             svg.push_str(&text(
                 left + cell_width * (i as f64 + 0.5),
                 bottom + 17.0,
                 "middle",
                 "tick",
-                &if self.names { shortened(column, cell_width - 2.0) } else { column.clone() },
+                column,
             ));
         }
         svg.push_str(&text(0.5 * (left + right), bottom + 37.0, "middle", "lab", &axis_label(&self.x, 0)));
@@ -103,6 +107,31 @@ impl Picture for HeatMap {
         svg.push_str("</svg>");
         svg
     }
+}
+
+/// Names that fit; where cutting their ends makes them alike, as of files that are named by their date, their beginnings are cut
+/// instead. What stands before a colon stays.
+fn told_apart(names: &[String], width: f64) -> Vec<String> {
+    let cut: Vec<String> = names.iter().map(|name| shortened(name, width)).collect();
+    let parts = |name: &'_ str| name.find(": ").map_or(0, |at| at + 2);
+    // What is left of a name whose end was cut.
+    let stems = || cut.iter().map(|label| label[parts(label)..].strip_suffix('…'));
+    let alike = |(i, stem): (usize, Option<&str>)| {
+        let stem = stem.filter(|s| !s.is_empty());
+        stem.is_some_and(|s| names.iter().enumerate().any(|(j, n)| j != i && n[parts(n)..].starts_with(s)))
+    };
+    if !stems().enumerate().any(alike) {
+        return cut;
+    }
+    let of = |name: &String| {
+        let (mark, rest) = name.split_at(parts(name));
+        let ends = rest
+            .char_indices()
+            .map(|(at, _)| if at == 0 { rest.to_owned() } else { format!("…{}", &rest[at..]) });
+        let fits = ends.map(|end| format!("{mark}{end}")).find(|label| text_width(label, 12.5) <= width);
+        fits.unwrap_or_else(|| shortened(name, width))
+    };
+    names.iter().map(of).collect()
 }
 
 impl HeatMap {
@@ -138,5 +167,24 @@ impl HeatMap {
 
     fn head(&self, size: Size) -> f64 {
         14.0 + 17.0 * self.lines(size).len() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_begin_alike_show_their_ends() {
+        let names = |all: &[&str]| all.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
+        let dated = names(&["2026-03-01_11h10m05", "h: 2026-03-01_11h11m05"]);
+        let shown = told_apart(&dated, 70.0);
+        assert!(shown[0].starts_with('…') && shown[0].ends_with("10m05"), "{shown:?}");
+        assert!(shown[1].starts_with("h: …") && shown[1].ends_with("m05"), "{shown:?}");
+        assert!(shown.iter().all(|label| text_width(label, 12.5) <= 70.0), "{shown:?}");
+        // What fits stays, and what its beginning tells apart is cut at its end.
+        assert_eq!(told_apart(&names(&["steps", "chirp"]), 70.0), names(&["steps", "chirp"]));
+        let words = told_apart(&names(&["a_very_long_name_of_a_run", "b_very_long_name_of_a_run"]), 70.0);
+        assert!(words.iter().all(|label| label.ends_with('…')), "{words:?}");
     }
 }

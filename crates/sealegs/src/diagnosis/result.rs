@@ -100,10 +100,12 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
 fn not_tried(model: &dyn Model) -> Option<String> {
     let cards = model.effects(&Excitation::default());
     let offers = |family: &str| cards.iter().any(|c| c.id.rsplit('/').next() == Some(family));
-    (!offers("backlash") && !offers("series-compliance")).then(|| {
-        "play and compliance between motor and joint were not tried: the catalogue has them for drives with a spring only"
-            .to_owned()
-    })
+    let why = match model.inputs().is_empty() {
+        true => "a robot's joint moves with its motor here",
+        false => "the bench states no load apart from what the drive moves itself",
+    };
+    (!offers("backlash") && !offers("series-compliance"))
+        .then(|| format!("play and compliance between motor and joint were not tried: {why}"))
 }
 
 impl Diagnosis {
@@ -221,12 +223,13 @@ mod tests {
     use sealegs_actuator::bench::{Bench, BenchModel};
 
     #[test]
-    fn a_drive_without_a_spring_says_that_play_and_compliance_were_not_tried() {
+    fn a_drive_that_does_not_part_from_its_load_says_that_play_and_compliance_were_not_tried() {
         let model = |preset, bench| {
             BenchModel::new(ActuatorSpec::preset(preset).expect("a preset"), bench).expect("a model")
         };
-        let rigid = not_tried(&model("rigid-rotary", Bench::Free { load: 0.1 }));
-        assert!(rigid.is_some_and(|note| note.contains("not tried")));
+        let bare = not_tried(&model("rigid-rotary", Bench::Free { load: 0.0 }));
+        assert!(bare.is_some_and(|note| note.contains("no load")));
+        assert_eq!(not_tried(&model("rigid-rotary", Bench::Free { load: 0.1 })), None);
         assert_eq!(not_tried(&model("thor-linear", Bench::Locked)), None);
     }
 }

@@ -1,6 +1,7 @@
 //! `campaign.toml`: its keys, and what can be wrong with them.
 
 use super::columns::{self, FileEntry, MappedColumn, RawColumns, RawFile};
+use super::rig::{RIG_KEYS, line_at};
 use super::{Bench, Role, windows};
 use crate::Error;
 use sealegs_model::{InputHold, plain};
@@ -8,6 +9,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
+use toml::de::DeTable;
 
 /// A campaign file that has been checked.
 pub(super) struct Description {
@@ -128,14 +130,13 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
     if text.trim().is_empty() {
         return Err(Error::bad(path, None, None, "is empty"));
     }
-    let line_at = |offset: usize| 1 + text.bytes().take(offset).filter(|&b| b == b'\n').count() as u64;
     let raw: RawCampaign = toml::from_str(text).map_err(|e| {
         let missing = e.message().starts_with("missing field");
         let meant: String = if missing { misspelt(text) } else { String::new() };
         let problem = plain(&e.message().replace('\n', " ")) + &meant;
-        Error::bad(path, e.span().map(|s| line_at(s.start)), None, problem)
+        Error::bad(path, e.span().map(|s| line_at(text, s.start)), None, problem)
     })?;
-    let line = |span: std::ops::Range<usize>| line_at(span.start);
+    let line = |span: std::ops::Range<usize>| line_at(text, span.start);
 
     let bench = match raw.bench.get_ref().as_str() {
         "locked" => Bench::Locked,
@@ -323,30 +324,34 @@ fn files_of(
 
 /// One note for each key that means nothing, with the one that was probably meant.
 fn unknown_keys(path: &Path, text: &str) -> Vec<String> {
-    let note =
-        |(key, meant)| format!("{}: key '{key}' is not known and has no effect{meant}", path.display());
+    let note = |(key, offset, meant)| {
+        let line = line_at(text, offset);
+        format!("{}: line {line}: key '{key}' is not known and has no effect{meant}", path.display())
+    };
     unknown_with_hints(text).into_iter().map(note).collect()
 }
 
 /// `; key 'benhc' is not known; did you mean 'bench'?` for each unknown key that comes near a known one.
 fn misspelt(text: &str) -> String {
-    let hinted = unknown_with_hints(text).into_iter().filter(|(_, meant)| !meant.is_empty());
-    hinted.map(|(key, meant)| format!("; key '{key}' is not known{meant}")).collect()
+    let hinted = unknown_with_hints(text).into_iter().filter(|(.., meant)| !meant.is_empty());
+    hinted.map(|(key, _, meant)| format!("; key '{key}' is not known{meant}")).collect()
 }
 
-/// Every key that means nothing, with a hint at the one that was probably meant.
-fn unknown_with_hints(text: &str) -> Vec<(String, String)> {
-    let Ok(table) = toml::from_str::<toml::Table>(text) else { return Vec::new() };
-    let of = |table: &toml::Table, known: &[&str]| -> Vec<(String, String)> {
-        let unknown = table.keys().filter(|k| !known.contains(&k.as_str()));
-        unknown.map(|k| (k.clone(), did_you_mean(k, known))).collect()
+/// Every key that means nothing, where it begins in the text, and a hint at the one that was probably meant.
+fn unknown_with_hints(text: &str) -> Vec<(String, usize, String)> {
+    let Ok(table) = DeTable::parse(text) else { return Vec::new() };
+    let of = |table: &DeTable, known: &[&str]| -> Vec<(String, usize, String)> {
+        let means_nothing = |key: &str| !known.contains(&key) && !RIG_KEYS.contains(&key);
+        let unknown = table.keys().filter(|key| means_nothing(key.get_ref()));
+        let found =
+            unknown.map(|k| (k.get_ref().to_string(), k.span().start, did_you_mean(k.get_ref(), known)));
+        let mut found: Vec<_> = found.collect();
+        found.sort_by_key(|(_, offset, _)| *offset);
+        found
     };
-    let runs = table.get("run").and_then(toml::Value::as_array).into_iter().flatten();
-    let of_runs = runs.filter_map(toml::Value::as_table).flat_map(|run| of(run, &RUN_KEYS));
-    let known = |table: (String, String)| {
-        Some(table).filter(|(key, _)| !super::rig::RIG_KEYS.contains(&key.as_str()))
-    };
-    of(&table, &KEYS).into_iter().chain(of_runs).filter_map(known).collect()
+    let runs = table.get_ref().get("run").and_then(|runs| runs.get_ref().as_array()).into_iter().flatten();
+    let of_runs = runs.filter_map(|run| run.get_ref().as_table()).flat_map(|run| of(run, &RUN_KEYS));
+    of(table.get_ref(), &KEYS).into_iter().chain(of_runs).collect()
 }
 
 /// `unknown role 'hold-out'; did you mean 'holdout'? (known: fit, holdout)`

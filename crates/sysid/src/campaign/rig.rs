@@ -89,6 +89,11 @@ pub(super) fn of_runs(path: &Path, text: &str, bench: Bench) -> Result<Vec<RigVa
     tables.map(|table| Ok(of_table(path, text, table, bench)?.or(common))).collect()
 }
 
+/// The line of a place in a text, from 1.
+pub(super) fn line_at(text: &str, offset: usize) -> u64 {
+    1 + text.bytes().take(offset).filter(|b| *b == b'\n').count() as u64
+}
+
 fn of_table(path: &Path, text: &str, table: &DeTable, bench: Bench) -> Result<RigValues, Error> {
     let mut values = RigValues::default();
     for (key, value) in table {
@@ -96,7 +101,7 @@ fn of_table(path: &Path, text: &str, table: &DeTable, bench: Bench) -> Result<Ri
         if !RIG_KEYS.contains(&name) {
             continue;
         }
-        let line = 1 + text[..key.span().start].matches('\n').count() as u64;
+        let line = line_at(text, key.span().start);
         let bad = |problem: String| Error::bad(path, line, Some(name), problem);
         let number = match value.get_ref() {
             DeValue::Float(number) => number.as_str().parse::<f64>().ok(),

@@ -153,7 +153,12 @@ fn unknown_words_are_refused_with_a_suggestion() {
 fn an_unknown_key_is_a_note() {
     let csv = HEADER.to_owned() + &rows(20);
     let campaign = read(&description("input_hld = \"linear\"", RUN), Some(csv.as_bytes())).unwrap();
-    assert!(campaign.notes.iter().any(|n| n.contains("did you mean 'input_hold'")), "{:?}", campaign.notes);
+    let note = campaign.notes.iter().find(|n| n.contains("did you mean 'input_hold'"));
+    let line = 1 + description("input_hld = \"linear\"", RUN)
+        .lines()
+        .position(|l| l.starts_with("input_hld"))
+        .unwrap();
+    assert!(note.is_some_and(|n| n.contains(&format!("line {line}:"))), "{:?}", campaign.notes);
 }
 
 #[test]

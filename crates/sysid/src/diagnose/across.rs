@@ -1,11 +1,13 @@
 //! What a set leaves of a fit run when it is fitted to the others, of a single run of a part of it: where something stays that no
 //! set explains, a law that only takes what is peculiar to one run leaves again.
 
+use super::compare::clearly_better;
 use super::nested::simpler_id;
-use super::policy::{EXPLAINED, FOLDS, STEPS_PER_SAMPLE, TIED_COST};
-use super::refine::{Models, in_windows};
+use super::policy::{EXPLAINED, FOLDS, NAMED_SHARE, STEPS_PER_SAMPLE, TIED_COST};
+use super::refine::Models;
 use super::screen::Known;
 use super::search::{Search, all_but};
+use super::windows::in_windows;
 use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, DataRun};
 use crate::fit;
@@ -117,6 +119,35 @@ impl Search<'_> {
             if !self.tried[i].exact {
                 self.tried[i] = self.models.polished(&self.tried[i]);
             }
+        }
+    }
+
+    /// The chosen set, or it without a member that takes no more than a trace of the fit runs, where that is not clearly worse
+    /// once both are fitted to the end. A last fit frees what the search holds (see
+    /// [`sealegs_model::Parameter::freed_at_last`]), and until then a further effect may stand in for it. What a trace leaves is
+    /// fitted to the end in any case: it is the set that will be named.
+    pub(super) fn without_traces(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
+        let floor = self.models.data.floor;
+        let least = NAMED_SHARE * (self.tried[0].fit.error() - floor).max(0.0);
+        'smaller: loop {
+            let effects = self.tried[chosen].effects.clone();
+            for leaving in effects.iter().filter(|_| effects.len() > 1) {
+                let rest = all_but(&effects, leaving);
+                let Some(rest) = self.tried.iter().position(|t| t.effects == rest) else { continue };
+                // What a fit in windows leaves says nothing beside one in open loop.
+                let comparable = self.tried[rest].exact || !self.models.windowed;
+                let taken = self.tried[rest].fit.error() - self.tried[chosen].fit.error();
+                if !comparable || taken >= least {
+                    continue;
+                }
+                self.finish(&[rest]);
+                if !clearly_better(&self.tried[rest], &self.tried[chosen], floor) {
+                    chosen = rest;
+                    tied.clear();
+                    continue 'smaller;
+                }
+            }
+            return chosen;
         }
     }
 

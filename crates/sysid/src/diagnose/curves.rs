@@ -61,6 +61,7 @@ impl Tried {
             observed: Some(self.observed.clone()),
             seen: of.seen.clone(),
             dear: of.dear,
+            windowed: of.windowed,
         }
     }
 

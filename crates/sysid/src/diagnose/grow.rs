@@ -2,8 +2,9 @@
 
 use super::along::simpler_along;
 use super::policy::STARTS;
-use super::refine::{Models, with_nominal_base};
+use super::refine::Models;
 use super::screen::{Known, screen};
+use super::starts::with_nominal_base;
 use super::{Candidate, values_by_name, with_effects};
 use crate::fit::{self, Difference};
 

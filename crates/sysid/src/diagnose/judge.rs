@@ -5,8 +5,8 @@ use super::policy::{
     ADEQUATE, EXPLAINED, HOLDS_UP, LEFT_SHARE, LITTLE_LEFT, MOST_OF_IT, NAMED_SHARE, STEP_SHARE, TIED_COST,
     WITHIN_UNCERTAINTY, WORTH_NAMING,
 };
-use super::refine::in_windows;
 use super::search::all_but;
+use super::windows::in_windows;
 use super::{Candidate, Found};
 use crate::Error;
 use crate::data::{Data, Evaluation};

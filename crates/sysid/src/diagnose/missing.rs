@@ -4,9 +4,10 @@
 use super::dependence::{Dependence, dependences};
 use super::picture::{self, MissingForce};
 use super::policy::{LITTLE_SEEN, PORT_FELT, STEPS_PER_SAMPLE};
-use super::refine::{Models, with_nominal_base};
+use super::refine::Models;
 use super::regression::Nuisance;
 use super::rows::{averaged, step};
+use super::starts::with_nominal_base;
 use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, Evaluation};
 use crate::stats::{self, Noise};

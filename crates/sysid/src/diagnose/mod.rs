@@ -36,7 +36,9 @@ mod rows;
 mod scatter;
 mod screen;
 mod search;
+mod starts;
 mod validation;
+mod windows;
 
 pub use candidate::{Candidate, values_by_name, with_effects};
 pub use compare::clearly_better;
@@ -246,6 +248,9 @@ fn search<'a>(
     search.finish(&[0, chosen]);
     let open = search.models.open_choices(&others, &search.tried[chosen]);
     let chosen = if search.leaves_something(chosen) { search.simplified(chosen, &mut tied) } else { chosen };
+    let chosen = search.without_traces(chosen, &mut tied);
+    // A simpler set that took the place of the one that was fitted to the end is not fitted to the end itself.
+    search.finish(&[chosen]);
     search.finish(&search.compared_with(chosen));
     let search::Search { models, tried, promises, .. } = search;
     (Found { tried, chosen, tied, same, open, promises, laws: Vec::new(), base_as_searched }, models)

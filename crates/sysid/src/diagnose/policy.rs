@@ -80,6 +80,10 @@ policy! {
     MOST_OPPOSED = 0.4;
     /// Cost over the chosen set's above which a set is no tie, whatever is predicted.
     TIED_COST = 1.1;
+    /// Times that what a last fit frees starts again on either side of where it was fitted: each goes two fifths of the way.
+    FREED_ROUNDS = 3.0;
+    /// Fall of the cost below which it does not start again: half a squared standard error.
+    NOTHING_MORE = 0.5;
     /// Parts of the fit runs that are left out one at a time where a set is fitted again without them: with three the others are
     /// still two thirds of what is known.
     FOLDS = 3.0;

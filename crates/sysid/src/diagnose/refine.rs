@@ -7,10 +7,12 @@
 use super::candidate::within_half_a_period;
 use super::compare::{excess, is_seen, mean_square_difference};
 use super::policy::{
-    AT_FLOOR, DEAR_STEPS, OBSERVED_STEPS, RACE_STEPS, RACED, RIVAL_COST, SLIGHTLY_WEAKER, STEPS, STEPS_DEAR,
-    STEPS_PER_SAMPLE, TRACE, WEAKENINGS, WEAKENINGS_OBSERVED, WEAKER, WINDOWS,
+    AT_FLOOR, DEAR_STEPS, FREED_ROUNDS, NOTHING_MORE, OBSERVED_STEPS, RACE_STEPS, RACED, RIVAL_COST, STEPS,
+    STEPS_DEAR, STEPS_PER_SAMPLE, TRACE, WEAKER,
 };
-use super::screen::{Known, is_amplitude};
+use super::screen::Known;
+use super::starts::{freed, mixed_by_place, weakened, weakest, with_nominal_base};
+use super::windows::in_windows;
 use super::{Candidate, count, values_by_name, with_effects};
 use crate::Error;
 use crate::data::Data;
@@ -28,12 +30,6 @@ const FINISHED_TOLERANCE: f64 = 1.0;
 /// The same where only the neighbourhood is wanted, or derivatives are dear.
 const ROUGH_TOLERANCE: f64 = 3.0;
 
-/// Ratios to its nominal value from which a parameter that is free at last starts again: its prior is 50 %.
-const FREED: [f64; 2] = [0.6, 1.4];
-
-/// How much longer windows become on the way to open loop.
-const LONGER: [f64; 2] = [4.0, 16.0];
-
 /// A base model in the forms in which a diagnosis uses it, with the fit runs.
 pub struct Models<'a> {
     /// The fit runs.
@@ -48,24 +44,12 @@ pub struct Models<'a> {
     pub seen: Excitation,
     /// Whether a simulation is dear: derivatives are then taken no more often than they must.
     pub dear: bool,
+    /// Whether `coarse` simulates in windows (see [`in_windows`]).
+    pub windowed: bool,
 }
 
-fn records_of<'a>(data: &Data<'a>) -> Vec<&'a Record> {
+pub(super) fn records_of<'a>(data: &Data<'a>) -> Vec<&'a Record> {
     data.runs.iter().map(|r| r.record).collect()
-}
-
-/// The model as a search simulates it where whole runs in open loop say little: an error is forgotten after a part of the
-/// mean duration of a run.
-pub(super) fn in_windows(data: &Data, model: &dyn Model) -> Option<Box<dyn Model>> {
-    remembering(data, model, 1.0 / WINDOWS)
-}
-
-/// The same where an error is forgotten after such a share of the mean duration.
-fn remembering(data: &Data, model: &dyn Model, share: f64) -> Option<Box<dyn Model>> {
-    let records = records_of(data);
-    let duration = |r: &&Record| r.mean_period_s() * r.len() as f64;
-    let mean_s = records.iter().map(duration).sum::<f64>() / records.len().max(1) as f64;
-    model.forgetting(&records, share * mean_s)
 }
 
 impl<'a> Models<'a> {
@@ -74,21 +58,17 @@ impl<'a> Models<'a> {
     pub fn new(data: &'a Data<'a>, exact: &'a dyn Model) -> Self {
         let coarse = exact.coarser(STEPS_PER_SAMPLE);
         let observed = coarse.observing(&records_of(data));
-        let coarse = in_windows(data, coarse.as_ref()).unwrap_or(coarse);
+        let windows = in_windows(data, coarse.as_ref());
+        let windowed = windows.is_some();
         let dear = fit::has_many_parameters(exact);
-        Self { data, exact, coarse, observed, seen: Excitation::default(), dear }
+        let coarse = windows.unwrap_or(coarse);
+        Self { data, exact, coarse, observed, seen: Excitation::default(), dear, windowed }
     }
 
     /// The search's forms with the model's own steps from now on.
     pub fn refine(&mut self) {
         self.coarse = in_windows(self.data, self.exact).unwrap_or_else(|| self.exact.clone_box());
         self.observed = self.exact.observing(&records_of(self.data));
-    }
-
-    /// Whether the search simulates in windows.
-    #[must_use]
-    pub(super) fn is_windowed(&self) -> bool {
-        in_windows(self.data, self.exact).is_some()
     }
 
     /// Mean squared difference of a set's predictions with the search's steps and with the model's own, in squared noise
@@ -373,27 +353,19 @@ impl<'a> Models<'a> {
                 self.with_longer_memory(candidate).unwrap_or_else(|| self.rescaled(candidate).values);
             let start = within_half_a_period(model.parameters(), &values);
             let mut fit = from(start)?;
-            for start in freed(model.as_ref(), &candidate.fit.values) {
-                fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
+            // What lies far from the value that was held is several steps away.
+            for _ in 0..if self.dear { 1 } else { FREED_ROUNDS as usize } {
+                let before = fit.cost;
+                for start in freed(model.as_ref(), &fit.values) {
+                    fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
+                }
+                if fit.cost > before - NOTHING_MORE {
+                    break;
+                }
             }
             Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
         };
         polish().unwrap_or_else(|_| candidate.clone())
-    }
-
-    /// A candidate that was fitted in windows, fitted in ever longer ones: its values for open loop, where a fit from those
-    /// of short windows may end anywhere. `None` for one that was fitted in open loop.
-    fn with_longer_memory(&self, candidate: &Candidate) -> Option<Vec<f64>> {
-        let mut values = candidate.fit.values.clone();
-        for longer in LONGER {
-            let model = remembering(self.data, self.exact, longer / WINDOWS)?;
-            let model = with_effects(model.as_ref(), &candidate.effects, &self.seen).ok()?;
-            let options = self.options(model.as_ref(), values.clone(), candidate);
-            if let Ok(fit) = fit::fit(self.data, model.as_ref(), &options) {
-                values = fit.values;
-            }
-        }
-        Some(values)
     }
 
     /// A candidate's fit followed along changes of the units of force and length, where derivatives are cheap.
@@ -410,23 +382,6 @@ impl<'a> Models<'a> {
         fit::along_units(self.data, model, fit, &count::held(model), refit)
     }
 
-    /// A candidate of the search with what it leaves in open loop, where it was fitted in windows: that is what anybody is
-    /// told.
-    #[must_use]
-    pub(super) fn in_open_loop(&self, mut candidate: Candidate) -> Candidate {
-        if candidate.exact || !self.is_windowed() {
-            return candidate;
-        }
-        if let Ok(open) = with_effects(self.exact, &candidate.effects, &self.seen) {
-            candidate.model = open;
-        }
-        let (model, fit) = (candidate.model.as_ref(), &candidate.fit);
-        if let Ok(evaluation) = self.data.judge(model, &fit.values, fit.sensors()) {
-            candidate.fit.evaluation = evaluation;
-        }
-        candidate
-    }
-
     /// Whether nothing is left to explain, or a trace of what the base model leaves.
     #[must_use]
     pub fn is_settled(&self, candidate: &Candidate, base: &Candidate) -> bool {
@@ -436,90 +391,7 @@ impl<'a> Models<'a> {
     }
 }
 
-/// Values with the amplitudes of what a model has beyond a candidate's effects a part as strong.
-fn weakened(model: &dyn Model, values: &[f64], near: &Candidate, part: f64) -> Vec<f64> {
-    let added = |p: &Parameter| {
-        let of_near = |effect: &String| super::candidate::symbol(&p.name, effect).is_some();
-        is_amplitude(p) && p.name.contains('.') && !near.effects.iter().any(of_near)
-    };
-    let weaker = |(p, v): (&Parameter, &f64)| if added(p) { part * v } else { *v };
-    model.parameters().iter().zip(values).map(weaker).collect()
-}
-
-/// The least cost of values with the amplitudes of what a model has beyond a candidate's effects ever weaker, and the values
-/// that have it: a gap that is wide open lets nothing through, and no derivative says so.
-fn weakest(
-    model: &dyn Model,
-    values: &[f64],
-    near: &Candidate,
-    cost: &(dyn Fn(&Vec<f64>) -> f64 + Sync),
-) -> (f64, Vec<f64>) {
-    let parts: Vec<f64> = (1..=WEAKENINGS_OBSERVED as i32).map(|n| SLIGHTLY_WEAKER.powi(n)).collect();
-    let weaker = |part: &f64| {
-        let values = weakened(model, values, near, *part);
-        (cost(&values), values)
-    };
-    let all: Vec<(f64, Vec<f64>)> = parts.par_iter().map(weaker).collect();
-    all.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a }).unwrap_or((f64::INFINITY, values.to_vec()))
-}
-
-/// Values with those of other ones taken over place by place (an actuator's base parameters) where that lowers the cost, and
-/// with what was added weaker where that does. Beside a missing effect a fit in open loop drives the base parameters of the
-/// place away that the effect is at, and those of its neighbours; under an observer those of the others are less well known.
-fn mixed_by_place(
-    model: &dyn Model,
-    (mut values, mut least): (Vec<f64>, f64),
-    other: &[f64],
-    near: &Candidate,
-    cost: &dyn Fn(&Vec<f64>) -> f64,
-) -> Vec<f64> {
-    let place = |p: &Parameter| match p.name.contains('.') {
-        true => None,
-        false => p.name.split_once('/').map(|(place, _)| place.to_owned()),
-    };
-    let places: Vec<Option<String>> = model.parameters().iter().map(place).collect();
-    let distinct: std::collections::BTreeSet<&String> = places.iter().flatten().collect();
-    for place in distinct {
-        let at = |i: usize| if places[i].as_ref() == Some(place) { other[i] } else { values[i] };
-        let taken: Vec<f64> = (0..values.len()).map(at).collect();
-        let cost = cost(&taken);
-        if cost < least {
-            (least, values) = (cost, taken);
-        }
-    }
-    for _ in 0..WEAKENINGS as usize {
-        let weaker = weakened(model, &values, near, SLIGHTLY_WEAKER);
-        let cost = cost(&weaker);
-        if weaker == values || cost >= least {
-            break;
-        }
-        (least, values) = (cost, weaker);
-    }
-    values
-}
-
-/// Values with other starts of what a last fit frees: with it the search stayed in the minimum of its nominal value,
-/// and another one may be lower.
-fn freed(model: &dyn Model, values: &[f64]) -> Vec<Vec<f64>> {
-    let parameters = model.parameters().iter().enumerate().filter(|(_, p)| p.freed_at_last);
-    let starts = parameters.flat_map(|(i, p)| FREED.map(|ratio| (i, (ratio * p.value).clamp(p.min, p.max))));
-    starts
-        .map(|(i, value)| {
-            let mut start = values.to_vec();
-            start[i] = value;
-            start
-        })
-        .collect()
-}
-
 /// Derivatives in open loop are others than those under the observer, where simulations are cheap on a leg, too.
 fn under_observer(options: FitOptions) -> FitOptions {
     FitOptions { columns: None, secants: false, difference: Difference::Forward, ..options }
-}
-
-/// The same values with the nominal ones of the base model's free parameters: beside a missing effect a fit drives them
-/// away, and under an observer the way from what the maker states is short.
-pub(super) fn with_nominal_base(base: &dyn Model, known: &Known) -> Known {
-    let nominal = |name: &str| base.parameters().iter().find(|p| p.name == name && !p.fixed).map(|p| p.value);
-    known.iter().map(|(name, value)| (name.clone(), nominal(name).unwrap_or(*value))).collect()
 }

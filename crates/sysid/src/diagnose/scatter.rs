@@ -6,8 +6,9 @@
 
 use super::Candidate;
 use super::policy::{EXPLAINED, SCATTERED_RATIO, SHORTLIST};
-use super::refine::{Models, with_nominal_base};
+use super::refine::Models;
 use super::screen::Known;
+use super::starts::with_nominal_base;
 use super::{values_by_name, with_effects};
 use crate::data::Data;
 use crate::fit::{self, FitOptions};
@@ -78,6 +79,7 @@ impl Models<'_> {
             observed: None,
             seen: self.seen.clone(),
             dear: self.dear,
+            windowed: self.windowed,
         };
         // Far from the solution what is known of the base takes the part of what is not: it stays as stated.
         let known: Vec<String> =

@@ -7,8 +7,9 @@ use super::policy::{
     AT_FLOOR, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST, OPEN_LOOP_WORTH,
     RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
 };
-use super::refine::{Models, with_nominal_base};
+use super::refine::Models;
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
+use super::starts::with_nominal_base;
 use super::{Candidate, Progress};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, internal};

@@ -1,7 +1,8 @@
 //! Levenberg and Marquardt's search inside bounds.
 
-use super::coordinates::{Bound, Coordinates};
+use super::coordinates::Coordinates;
 use super::jacobian::{self, Difference, Directions, JacobianBlock};
+use super::steps::{Proposal, along_valleys, proposal};
 use super::uncertainty::AT_THE_FLOOR;
 use super::{FitOptions, KnownColumns, bend, secant};
 use crate::Error;
@@ -301,11 +302,15 @@ impl Search {
             refused += 1;
             self.damping = (self.damping * 30.0).max(1e-10);
         }
-        if self.difference == Difference::Central
-            && self.along_valleys(data, model, coordinates, (a, g), enough)
-        {
-            self.damping = 1e-3;
-            return;
+        if self.difference == Difference::Central {
+            for (moved, promised) in along_valleys(coordinates, &self.u, (a, g)) {
+                let place =
+                    (promised >= enough).then(|| self.visit(data, model, coordinates, moved)).flatten();
+                if place.and_then(|place| self.accept(data, coordinates, place, enough)).is_some() {
+                    self.damping = 1e-3;
+                    return;
+                }
+            }
         }
         // Nothing helps, as far as these columns can tell.
         self.damping = 1e-3;
@@ -321,55 +326,6 @@ impl Search {
                 self.difference = Difference::Central;
             }
         }
-    }
-}
-
-/// Most of the flattest directions that are tried together.
-const VALLEYS: usize = 5;
-
-impl Search {
-    /// Steps along the flattest directions alone, one, then two of them, and so on: where the walls of a valley are
-    /// rough (friction that sticks and slips), every step that also touches the walls fails, and the search would
-    /// rest wherever it entered the valley. Returns whether one helped.
-    fn along_valleys(
-        &mut self,
-        data: &Data,
-        model: &dyn Model,
-        coordinates: &Coordinates,
-        (a, g): (&DMatrix<f64>, &DVector<f64>),
-        enough: f64,
-    ) -> bool {
-        let moving: Vec<usize> = (0..self.u.len())
-            .filter(|&k| a[(k, k)] > 1e-9 && coordinates.bound(k, self.u[k]).is_none())
-            .collect();
-        let n = moving.len();
-        let scale: Vec<f64> = moving.iter().map(|&k| a[(k, k)].sqrt()).collect();
-        let scaled = DMatrix::from_fn(n, n, |i, j| a[(moving[i], moving[j])] / (scale[i] * scale[j]));
-        if n < 2 || scaled.iter().any(|v| !v.is_finite()) {
-            return false;
-        }
-        let eigen = scaled.symmetric_eigen();
-        let mut order: Vec<usize> = (0..n).filter(|&j| eigen.eigenvalues[j] > 0.0).collect();
-        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
-        let slope = DVector::from_fn(n, |i, _| g[moving[i]] / scale[i]);
-        let mut step = DVector::<f64>::zeros(n);
-        for &j in order.iter().take(VALLEYS.min(n - 1)) {
-            let direction = eigen.eigenvectors.column(j);
-            step -= direction * (direction.dot(&slope) / eigen.eigenvalues[j]);
-            let mut moved = self.u.clone();
-            for (i, &k) in moving.iter().enumerate() {
-                let wanted = self.u[k] + step[i] / scale[i];
-                moved[k] = coordinates.coordinate(k, coordinates.value(k, wanted));
-            }
-            if -0.5 * step.dot(&slope) < enough {
-                continue;
-            }
-            let place = self.visit(data, model, coordinates, moved);
-            if place.and_then(|place| self.accept(data, coordinates, place, enough)).is_some() {
-                return true;
-            }
-        }
-        false
     }
 
     /// The cost at a place; `None` where nothing can be simulated.
@@ -451,66 +407,5 @@ pub(super) fn add_priors(
             a[(k, k)] += weight * slope * slope;
             g[k] += weight * slope * row;
         }
-    }
-}
-
-/// What the normal equations propose.
-enum Proposal {
-    /// Where the damped step leads, inside the bounds, and by how much the cost should fall.
-    Step(Vec<f64>, f64),
-    /// No coordinate can move.
-    Stuck,
-    /// Nearly the same columns, and rounding made the matrix indefinite: more damping is needed.
-    Singular,
-}
-
-/// The damped step inside the bounds.
-fn proposal(
-    coordinates: &Coordinates,
-    u: &[f64],
-    a: &DMatrix<f64>,
-    g: &DVector<f64>,
-    damping: f64,
-) -> Proposal {
-    // What neither data nor prior feels stays where it is: a typical change must move the residuals at all.
-    let mut moving: Vec<usize> =
-        (0..u.len()).filter(|&k| a[(k, k)] > 1e-9 && !outward(coordinates, k, u[k], -g[k])).collect();
-    // A step that leads out of the box at a coordinate on the bound is taken again without it.
-    for _ in 0..=u.len() {
-        if moving.is_empty() {
-            return Proposal::Stuck;
-        }
-        let n = moving.len();
-        let mut damped = DMatrix::from_fn(n, n, |i, j| a[(moving[i], moving[j])]);
-        for i in 0..n {
-            damped[(i, i)] *= 1.0 + damping;
-        }
-        let rhs = DVector::from_fn(n, |i, _| -g[moving[i]]);
-        let Some(cholesky) = damped.cholesky() else { return Proposal::Singular };
-        let mut step = cholesky.solve(&rhs);
-        let excess = (0..n).map(|i| step[i].abs() / coordinates.largest_step(moving[i])).fold(1.0, f64::max);
-        step /= excess;
-        let blocked = (0..n).find(|&i| outward(coordinates, moving[i], u[moving[i]], step[i]));
-        if let Some(i) = blocked {
-            moving.remove(i);
-            continue;
-        }
-        let mut moved = u.to_vec();
-        for (i, &k) in moving.iter().enumerate() {
-            moved[k] = coordinates.coordinate(k, coordinates.value(k, u[k] + step[i]));
-        }
-        let d = DVector::from_fn(u.len(), |k, _| moved[k] - u[k]);
-        let promised = -(g.dot(&d) + 0.5 * d.dot(&(a * &d)));
-        return Proposal::Step(moved, promised);
-    }
-    Proposal::Stuck
-}
-
-/// Whether a move from a bound leads out.
-fn outward(coordinates: &Coordinates, k: usize, u: f64, direction: f64) -> bool {
-    match coordinates.bound(k, u) {
-        Some(Bound::Min) => direction < 0.0,
-        Some(Bound::Max) => direction > 0.0,
-        None => false,
     }
 }

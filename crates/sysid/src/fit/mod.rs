@@ -21,6 +21,7 @@ mod levenberg;
 mod rescale;
 mod secant;
 mod signature;
+mod steps;
 mod uncertainty;
 
 pub use coordinates::Bound;

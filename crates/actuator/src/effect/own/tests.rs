@@ -64,12 +64,14 @@ fn a_law_does_what_the_catalogue_s_effect_does() {
     let drive = "id = \"emf\"\nacts-on = \"drive\"\nlaw = \"u - e*theta_dot\"\n\
                  parameters = { e = { guess = 0.01, min = 0, max = 1 } }";
     let fading = force_1(Bench::Locked, Some(drive), "emf", &[0.02]);
-    // A loss in proportion to speed is viscous damping of force_per_command * e / r.
-    let r = thor().ratio();
-    let drag = DRAG.replace("a*y_dot*abs(y_dot)", "a*y_dot");
-    let viscous = thor().coefficients().force_constant * 0.02 / r;
-    let damped = force_1(Bench::Locked, Some(&drag), "belt-drag", &[viscous, 0.0, 1e-3]);
-    assert!(farthest(&fading, &damped) < 1e-6, "{}", farthest(&fading, &damped));
+    // A loss in proportion to speed is viscous damping of force_per_command * e / r, which the linear part has exactly.
+    let viscous = thor().coefficients().force_constant * 0.02 / thor().ratio();
+    let model = BenchModel::new(thor(), Bench::Locked).unwrap_or_else(|e| panic!("{e}"));
+    let more = |p: &Parameter| if p.name == "damping" { p.value + viscous } else { p.value };
+    let values: Vec<f64> = model.parameters().iter().map(more).collect();
+    let damped = model.predict(&values, &record(), &["force_1_n".to_owned()]);
+    let damped = damped.unwrap_or_else(|e| panic!("{e}")).outputs.swap_remove(0).values;
+    assert!(farthest(&fading, &damped) < 1e-3, "{}", farthest(&fading, &damped));
 }
 
 #[test]

@@ -191,12 +191,18 @@ impl<'a, const N: usize> Stepper<'a, N> {
         Self { observer, ..self }
     }
 
-    /// At rest with all springs relaxed; a drive without a spring where its run begins.
+    /// At rest with all springs relaxed; a drive without a spring where its run begins, its load held there.
     pub fn rest(&self) -> State<N> {
         let still = Motion { position: [0.0; N], velocity: [0.0; N] };
         let mut motion = still;
         if self.plant.rigid.is_some() {
             (motion.position[0], motion.velocity[0]) = self.plant.start;
+        }
+        if let Some(load) = self.link_2.filter(|_| self.plant.is_parted()) {
+            let (position, speed) = self.plant.start;
+            (motion.position[load], motion.velocity[load]) = (position, speed);
+            motion.position[0] = position + self.plant.ahead_at_rest(position);
+            motion.velocity[0] = speed;
         }
         State {
             motion,
@@ -204,6 +210,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             sprung_acceleration: 0.0,
             force_1: 0.0,
             motor: 0.0,
+            limited: 0.0,
             dry: 0.0,
             presliding: [0.0; MOST_PRESLIDING],
             spring_slip: 0.0,
@@ -223,7 +230,8 @@ impl<'a, const N: usize> Stepper<'a, N> {
         for n in 0..self.grid.steps {
             let mut command = feed.command(n);
             if let Some((servo, of)) = &mut servo {
-                let now = (state.motion.position[0], state.motion.velocity[0]);
+                let output = self.output.unwrap_or(0);
+                let now = (state.motion.position[output], state.motion.velocity[output]);
                 let supply = feed.supply_v.and_then(|v| v.get(n).copied()).unwrap_or(servo.supply_v);
                 command = supply * servo.duty(command, now, &trace, of);
             }
@@ -360,9 +368,11 @@ impl<'a, const N: usize> Stepper<'a, N> {
         }
         let y_dot = mean.velocity[0];
         if !plant.laws.drive_limits.is_empty() && !from.released {
-            let limited = plant.laws.limited_force(next.motor, y_dot);
-            forces[0] += limited - next.motor;
-            next.motor = limited;
+            next.limited = self.limited(next.motor, y_dot, from.limited) - next.motor;
+            forces[0] += next.limited;
+            next.motor += next.limited;
+        } else {
+            next.limited = 0.0;
         }
         let mut departure = 0.0;
         if !self.spring_is_linear {
@@ -388,6 +398,23 @@ impl<'a, const N: usize> Stepper<'a, N> {
             }
         }
         (forces, departure)
+    }
+
+    /// What the drive's limits leave of a commanded force, N, at the mean speed that this makes: `y_dot` (m/s) foretells it with
+    /// what the limits took in the step before, `before` (N). Where a command jumps into a limit that is far off, and the
+    /// back-EMF with it. One secant: between the corners of a limit it is exact.
+    #[inline(always)]
+    fn limited(&self, commanded: f64, y_dot: f64, before: f64) -> f64 {
+        let laws = &self.plant.laws;
+        let first = laws.limited_force(commanded, y_dot);
+        let off = first - commanded - before;
+        if off == 0.0 {
+            return first;
+        }
+        let per_force = self.per_step * self.propagator.by_force.0[0][0];
+        let change = laws.limited_force(commanded, y_dot + per_force * off) - first;
+        // A limit takes more from a faster drive, so that the slope is not positive.
+        first + change / (1.0 - (change / off).min(0.0))
     }
 
     /// Mean force of the spring over the step beyond its linear law, N, positive in compression.
@@ -443,6 +470,9 @@ impl<'a, const N: usize> Stepper<'a, N> {
         }
         if let Some(i) = self.link_2 {
             trace.link_2_position.push(q[i]);
+            if plant.is_parted() {
+                trace.link_2_speed.push(v[i]);
+            }
         }
         if let Some(i) = self.link_1 {
             trace.link_1_position.push(q[i]);

@@ -22,6 +22,8 @@ pub(in crate::plant) struct State<const N: usize> {
     pub(super) force_1: f64,
     /// Motor force over the last step, N.
     pub motor: f64,
+    /// What the drive's limits added to the commanded force over the last step, N.
+    pub(super) limited: f64,
     /// Dry friction of the rotor over the last step, N.
     pub(super) dry: f64,
     /// Forces of the elastic presliding elements, N, positive after motion in the positive direction.
