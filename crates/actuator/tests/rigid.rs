@@ -169,7 +169,8 @@ fn energy_passive_effects_never_add_any() {
             let (coarse, fine) = (excess(1e-4), excess(5e-5));
             assert!(coarse < 2e-3, "{input} {}: {coarse:e} of the energy is won", card.id);
             // The ledger integrates a spring with play by Simpson's rule in 256 parts: at its corners that is 1e-6 off.
-            assert!(fine < 0.7 * coarse + 1e-6, "{input} {}: {coarse:e} {fine:e}", card.id);
+            let ledger = if card.id == "backlash" { 1e-6 } else { 1e-8 };
+            assert!(fine < 0.7 * coarse + ledger, "{input} {}: {coarse:e} {fine:e}", card.id);
         }
     }
 }

@@ -21,8 +21,8 @@ impl Effect for Backlash {
         // In a locked actuator a gap beyond the deflection would be free of all force; behind a moving output a light
         // load hardly deflects the spring and still crosses a wide gap.
         let widest = if setting.output_moves { WIDEST_WHERE_OUTPUT_MOVES } else { 2.0 };
-        let contact = setting.transmission_stiffness(CONTACT);
         let parameters = if setting.has_load {
+            let contact = setting.transmission_stiffness(CONTACT);
             vec![
                 with_starts(
                     setting.amount("gap", Quantity::Length, 0.02 * length, 0.5 * length),

@@ -175,8 +175,8 @@ impl Setting {
         self.force() / self.force_per_command
     }
 
-    /// A stiffness of the transmission of a drive without a spring: so many times the greatest force over the travel that was
-    /// seen, the first guess at 100. Below the least the load would swing on it over a third of the travel; beyond the
+    /// A stiffness of the transmission of a drive without a spring, guessed at so many times the greatest force over the travel
+    /// that was seen, searched from 3 to 3000 of them. Below the least the load would swing on it over a third of the travel; beyond the
     /// greatest it yields by less than a three thousandth.
     #[must_use]
     pub fn transmission_stiffness(&self, guess: f64) -> Parameter {

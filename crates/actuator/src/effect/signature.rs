@@ -5,7 +5,7 @@
 //! its picture unasked.
 
 use super::setting::{ActuatorKind, Setting};
-use crate::plant::{Link, Plant, Slip, Transmission};
+use crate::plant::{DeadZone, Link, Plant, Slip, SpringPath, Transmission};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -142,8 +142,9 @@ impl Pair<'_> {
         if self.with.transmission == self.without.transmission {
             return None;
         }
-        let most = 0.5 * gap + 1.3 * self.setting.force() / stiffness;
-        let force = |ahead: f64| stiffness * (ahead - ahead.clamp(-0.5 * gap, 0.5 * gap));
+        let play = DeadZone { half_gap: 0.5 * gap };
+        let most = play.half_gap + 1.3 * self.setting.force() / stiffness;
+        let force = |ahead: f64| stiffness * play.left(ahead);
         let across = ("rotor ahead of load", self.length_unit());
         let graph = Graph::new("Force in the transmission", across, ("force", self.force_unit()));
         Some(graph.sweep("", (-most, most), force))

@@ -113,7 +113,7 @@ impl Picture for HeatMap {
 /// instead. What stands before a colon stays.
 fn told_apart(names: &[String], width: f64) -> Vec<String> {
     let cut: Vec<String> = names.iter().map(|name| shortened(name, width)).collect();
-    let parts = |name: &'_ str| name.find(": ").map_or(0, |at| at + 2);
+    let parts = |name: &str| name.find(": ").map_or(0, |at| at + 2);
     // What is left of a name whose end was cut.
     let stems = || cut.iter().map(|label| label[parts(label)..].strip_suffix('…'));
     let alike = |(i, stem): (usize, Option<&str>)| {

@@ -195,14 +195,13 @@ impl<'a, const N: usize> Stepper<'a, N> {
     pub fn rest(&self) -> State<N> {
         let still = Motion { position: [0.0; N], velocity: [0.0; N] };
         let mut motion = still;
-        if self.plant.rigid.is_some() {
+        let parted_load = self.link_2.filter(|_| self.plant.is_parted());
+        if self.plant.rigid.is_some() || parted_load.is_some() {
             (motion.position[0], motion.velocity[0]) = self.plant.start;
         }
-        if let Some(load) = self.link_2.filter(|_| self.plant.is_parted()) {
-            let (position, speed) = self.plant.start;
-            (motion.position[load], motion.velocity[load]) = (position, speed);
-            motion.position[0] = position + self.plant.ahead_at_rest(position);
-            motion.velocity[0] = speed;
+        if let Some(load) = parted_load {
+            (motion.position[load], motion.velocity[load]) = self.plant.start;
+            motion.position[0] += self.plant.ahead_at_rest(motion.position[load]);
         }
         State {
             motion,
