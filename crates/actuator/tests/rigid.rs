@@ -102,11 +102,10 @@ fn what_needs_a_spring_is_not_offered_and_all_else_is() {
     ] {
         assert!(ids.iter().any(|i| i == id), "{id}: {ids:?}");
     }
-    // Nothing parts a rotor from a load that has no mass of its own, nor on a machine with one coordinate for both.
-    for whole in [free.on(Bench::Free { load: 0.0 }), free.clone().joined()] {
-        let ids: Vec<String> = whole.effects(seen).into_iter().map(|c| c.id).collect();
-        assert!(!ids.iter().any(|i| i == "backlash" || i == "series-compliance"), "{ids:?}");
-    }
+    // Nothing parts a rotor from a load that has no mass of its own.
+    let unloaded = free.on(Bench::Free { load: 0.0 });
+    let ids: Vec<String> = unloaded.effects(seen).into_iter().map(|c| c.id).collect();
+    assert!(!ids.iter().any(|i| i == "backlash" || i == "series-compliance"), "{ids:?}");
     let (loop_, _, _, seen) = &rigs()[1];
     let ids: Vec<String> = loop_.effects(seen).into_iter().map(|c| c.id).collect();
     for id in

@@ -135,7 +135,7 @@ fn farthest(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn reference_a_double_pendulum_that_begins_in_motion() {
     let (folder, record) = (folder(), record());
-    let plain = model(folder.path()).with_starts([&record]);
+    let plain = model(folder.path()).for_records(&[&record]);
     let truth = reference([0.0; 2], 0.0);
     let error = |step_s: f64| {
         let model = plain.clone().with_step(step_s);
@@ -150,7 +150,7 @@ fn reference_a_double_pendulum_that_begins_in_motion() {
 #[test]
 fn reference_friction_at_both_joints_and_an_offset() {
     let (folder, record) = (folder(), record());
-    let mut model = model(folder.path()).with_starts([&record]);
+    let mut model = model(folder.path()).for_records(&[&record]);
     for id in ["shoulder/coulomb-friction", "elbow/coulomb-friction", "elbow/output-offset"] {
         model = model.including(id, &seen()).unwrap_or_else(|e| panic!("{e}"));
     }
@@ -177,7 +177,7 @@ fn reference_an_observer_shows_the_friction_that_is_missing_where_it_is_missing(
     for (output, values) in record.outputs.iter_mut().zip(&truth) {
         output.values.clone_from(values);
     }
-    let model = model(folder.path()).with_starts([&record]);
+    let model = model(folder.path()).for_records(&[&record]);
     let observing = model.observing(&[&record]).expect("both joints were measured");
     let observed = observing.predict(&values(&model), &record, &channels()).expect("predicts");
     let missing = |joint: &str| {
@@ -213,7 +213,7 @@ fn reference_in_windows_an_error_is_forgotten_and_a_right_model_is_as_in_open_lo
         for (output, values) in record.outputs.iter_mut().zip(&truth) {
             output.values.clone_from(values);
         }
-        let model = model(folder.path()).with_starts([&record]);
+        let model = model(folder.path()).for_records(&[&record]);
         let windows = memory_s.map(|s| model.forgetting(&[&record], s).expect("both joints were measured"));
         let model: &dyn Model = windows.as_deref().unwrap_or(&model);
         let predicted = model.predict(&values(model), &record, &channels()).expect("predicts");
@@ -231,7 +231,7 @@ fn reference_in_windows_an_error_is_forgotten_and_a_right_model_is_as_in_open_lo
 #[test]
 fn neutral_effects_change_nothing_and_guesses_do() {
     let (folder, record) = (folder(), record());
-    let base = model(folder.path()).with_starts([&record]);
+    let base = model(folder.path()).for_records(&[&record]);
     let truth = base.predict(&values(&base), &record, &channels()).expect("finite");
     let cards = base.effects(&seen());
     for id in ["shoulder/stribeck-friction", "elbow/load-dependent-friction", "elbow/sensor-delay"] {
@@ -272,7 +272,7 @@ fn dry_friction_holds_a_joint_without_creep() {
 #[test]
 fn a_fitted_file_loads_again_from_another_folder() {
     let (folder, record) = (folder(), record());
-    let model = model(folder.path()).with_starts([&record]);
+    let model = model(folder.path()).for_records(&[&record]);
     let model = model.including("elbow/stribeck-friction", &seen()).expect("offered");
     // Its limit is called by the unit of the command: a file knows that, too.
     let model = model.including("shoulder/current-saturation", &seen()).expect("offered");
@@ -286,7 +286,7 @@ fn a_fitted_file_loads_again_from_another_folder() {
     std::fs::write(elsewhere.path().join("better.toml"), &text).expect("written");
     let again =
         RobotFile::load(&elsewhere.path().join("better.toml")).unwrap_or_else(|e| panic!("{e}\n{text}"));
-    let again = RobotModel::new(again, &[]).unwrap_or_else(|e| panic!("{e}\n{text}")).with_starts([&record]);
+    let again = RobotModel::new(again, &[]).unwrap_or_else(|e| panic!("{e}\n{text}")).for_records(&[&record]);
     assert_eq!(again.included(), model.included());
     assert_eq!(values(&again), all);
     assert_eq!(again.parameters()[damping].prior_std, Some(0.01));

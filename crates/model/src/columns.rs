@@ -17,6 +17,9 @@ pub const TEMPERATURE: &str = "temperature_c";
 /// What a drive reads beside its command.
 pub const BESIDE: [&str; 3] = [ENABLE, SUPPLY, TEMPERATURE];
 
+/// Commands to a joint of a robot, behind the joint's name and a dot; the goal of a servo's own loop is the last.
+pub const JOINT_COMMANDS: [&str; 5] = ["torque_nm", "force_n", "current_a", "voltage_v", "position_rad"];
+
 /// What a bench's sensors may have recorded.
 pub const OUTPUTS: [&str; 11] = [
     "force_1_n",

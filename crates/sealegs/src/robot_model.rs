@@ -1,4 +1,4 @@
-//! The model of a campaign that was recorded on a robot with torque drives: its URDF and drives, or its own model file.
+//! The model of a campaign that was recorded on a robot: its URDF and drives, or its own model file.
 
 use crate::campaign_model::{
     CampaignModel, check_inputs, note_down, note_sensors, notes_of, was_fitted_here,
@@ -86,7 +86,6 @@ pub fn of_source(
         true => file.without_fitted_std(),
         false => file,
     };
-    let records: Vec<_> = campaign.runs.iter().map(|run| run.record.clone()).collect();
     let named: PathBuf = match model {
         ModelSource::Campaign => campaign.file.clone(),
         other => other.label(campaign).into(),
@@ -97,7 +96,8 @@ pub fn of_source(
     for (channel, sensor) in model.sensors() {
         campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
     }
-    Ok(model.with_starts(&records))
+    let records: Vec<_> = campaign.runs.iter().map(|run| &run.record).collect();
+    Ok(model.for_records(&records))
 }
 
 impl CampaignModel for RobotModel {

@@ -55,7 +55,7 @@ impl BenchModel {
             },
             stiffness: if rigid { scale } else { c.stiffness },
             has_spring: !rigid,
-            has_load: rigid && !self.joined && load.mass_kg() > 0.0 && load.mass_kg().is_finite(),
+            has_load: rigid && load.mass_kg() > 0.0 && load.mass_kg().is_finite(),
             command,
             winding,
             total_mass: c.total_mass() + if rigid { load.mass_kg() } else { 0.0 },

@@ -14,6 +14,7 @@
 
 mod channel;
 mod drive;
+mod fed;
 mod kind;
 mod linear;
 mod observed;
@@ -23,6 +24,7 @@ mod sensor;
 mod signature;
 
 pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE, command_times};
+pub use fed::{Fed, Stamps};
 pub use kind::Bench;
 pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
@@ -30,14 +32,13 @@ pub use run::{RunSetup, start_of};
 pub use sensor::{Recording, Sensor, record};
 
 use crate::effect::{CATALOGUE, Effect, OwnEffect, Setting, embedded, ids};
-use crate::plant::{Feed, Grid, Plant, Trace, mean_per_step};
+use crate::plant::{Grid, Plant, Trace};
 use crate::spec::{EffectSpec, EffectValue, narrowed};
 use crate::text::nearest;
 use crate::{ActuatorError, ActuatorSpec, Configuration, Kind};
 use sealegs_model::{
     EffectCard, Excitation, InputHold, Law, Model, ModelError, Parameter, Prediction, Record,
 };
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The integrator's greatest step, s, unless another is asked for.
@@ -87,8 +88,6 @@ pub struct BenchModel {
     observed: Option<Arc<observed::Observed>>,
     /// What runs have of their own, by their records' names.
     runs: Vec<RunSetup>,
-    /// Whether rotor and load of a drive without a spring move as one, whatever lies between them.
-    joined: bool,
 }
 
 impl BenchModel {
@@ -127,7 +126,6 @@ impl BenchModel {
             own,
             observed: None,
             runs: Vec::new(),
-            joined: false,
         };
         for effect in wanted {
             let seen = Excitation { measured: OUTPUTS.map(str::to_owned).to_vec(), ..Excitation::default() };
@@ -154,12 +152,6 @@ impl BenchModel {
     pub fn with_step(mut self, step_s: f64) -> Self {
         self.step_s = step_s;
         self
-    }
-
-    /// The same drive for a machine that has one coordinate for rotor and load: it offers nothing that parts them.
-    #[must_use]
-    pub fn joined(self) -> Self {
-        Self { joined: true, ..self }
     }
 
     /// The same model with what runs have of their own: rig, start and servo gain.
@@ -354,32 +346,9 @@ impl BenchModel {
         let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
-        let lead = record.hold == InputHold::ZeroOrder && value("command_lead") > 0.5;
-        let skew_s = value("clock_skew") * period_s;
-        let time_s: Cow<'_, [f64]> = if lead || skew_s != 0.0 {
-            Cow::Owned(channel::command_times(&record.time_s, lead, skew_s))
-        } else {
-            Cow::Borrowed(&record.time_s)
-        };
-        let commands = mean_per_step(&time_s, &input.values, record.hold, &plant.laws.command_stages, &grid);
-        let side = |channel: &str, time_s: &[f64]| {
-            let values = record.input(channel).filter(|_| plant.winding.is_some())?;
-            Some(mean_per_step(time_s, values, InputHold::ZeroOrder, &[], &grid))
-        };
-        // The signal that switches the drive on comes as late as the command, the supply is measured.
-        let (mut late, mut unused) = (time_s.to_vec(), input.values.clone());
-        plant.laws.command_stages.iter().for_each(|stage| stage.apply(&mut late, &mut unused));
-        let (enable, supply) = (side(ENABLE, &late), side(SUPPLY, &record.time_s));
-        let felt = plant.laws.rotor_friction.iter().any(|law| law.feels_temperature());
-        let temperature = record.input(TEMPERATURE).filter(|_| felt);
-        let temperature =
-            temperature.map(|t| mean_per_step(&record.time_s, t, InputHold::ZeroOrder, &[], &grid));
-        let feed = Feed {
-            commands: &commands,
-            enable: enable.as_deref(),
-            supply_v: supply.as_deref(),
-            temperature_c: temperature.as_deref(),
-        };
+        let stamped = (record, Stamps::of(record, value));
+        let fed = Fed::of(&plant, stamped, &input.values, |name| record.input(name), &grid);
+        let feed = fed.feed();
         let trace = match self.observed.as_ref().and_then(|o| o.observer(record, &plant, &grid, self)) {
             Some(observer) => plant.observe(grid, feed, &observer)?,
             None => plant.simulate_fed(grid, feed)?,

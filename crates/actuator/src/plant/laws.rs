@@ -30,6 +30,21 @@ pub struct Laws {
     pub sensor_stages: Vec<Box<dyn SensorStage>>,
 }
 
+/// A spring's motion over a step.
+#[derive(Debug, Clone, Copy)]
+pub struct SpringStep {
+    /// Deflection at its start, m.
+    pub start: f64,
+    /// Mean deflection, m.
+    pub mean: f64,
+    /// Mean rate, m/s.
+    pub rate: f64,
+    /// Duration, s.
+    pub step_s: f64,
+    /// One over it, 1/s.
+    pub per_step: f64,
+}
+
 /// Most elastic presliding frictions of one rotor: of a sudden onset and of a gradual one.
 pub const MOST_PRESLIDING: usize = 2;
 
@@ -112,6 +127,21 @@ impl Laws {
         }
         let beside: f64 = self.spring_forces.iter().map(|f| f.force(left, delta_dot, t)).sum();
         stiffness * (left - delta) + beside
+    }
+
+    /// Mean force of the spring over a step beyond its linear law and damper, without its slipping element, N, from the time
+    /// `t` (s) on.
+    #[must_use]
+    #[inline(always)]
+    pub fn spring_departure(&self, stiffness: f64, over: &SpringStep, t: f64) -> f64 {
+        let mut departure = self.spring_force_beside(stiffness, over.mean, over.rate, t + 0.5 * over.step_s);
+        if self.spring_damping != 0.0 && !self.spring_path.is_empty() {
+            // The damper works in contact only: over a step that makes or breaks it, in proportion.
+            let in_contact =
+                self.spring_left(over.start + over.step_s * over.rate) - self.spring_left(over.start);
+            departure += self.spring_damping * (in_contact * over.per_step - over.rate);
+        }
+        departure
     }
 
     /// The deflection that is left for the spring out of the total one, m.

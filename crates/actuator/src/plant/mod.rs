@@ -35,7 +35,7 @@ mod transmission;
 pub use command::{Grid, mean_per_step};
 pub use energy::EnergyLedger;
 pub use friction::Sliding;
-pub use laws::{Laws, MOST_PRESLIDING};
+pub use laws::{Laws, MOST_PRESLIDING, SpringStep};
 pub use linear::Coordinates;
 pub use linearised::Linearised;
 pub use observer::{Observer, Pull, ReferenceMotion, observer_rate, pull_at, rigid_observer_rate, smoothed};
@@ -43,7 +43,7 @@ pub use ports::{
     CommandStage, DriveLimit, DryFriction, ElastoSlip, Onset, REFERENCE_TEMPERATURE_C, RotorForce,
     SensorStage, Slip, SpringForce, SpringPath,
 };
-pub use servo::{Feed, Servo, Winding};
+pub use servo::{Feed, Loop, Past, Servo, Winding};
 pub use trace::{Trace, sample};
 pub(crate) use transmission::DeadZone;
 pub use transmission::{TRANSMISSION_DAMPING_RATIO, Transmission};

@@ -1,6 +1,6 @@
 //! A position loop inside the drive: from a goal and the measured position of the output to the duty of the bridge.
 
-use super::{Grid, REFERENCE_TEMPERATURE_C, Trace};
+use super::REFERENCE_TEMPERATURE_C;
 
 /// A servo's own position loop: `duty = clamp(k_p e + k_d e' + k_i integral(e))` with `e = goal - position`.
 ///
@@ -30,21 +30,34 @@ pub struct Servo {
 
 /// What the loop remembers between steps.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Loop {
+pub struct Loop {
     duty: f64,
     integral: f64,
     /// Number of the loop's own sample that `duty` belongs to, from 1.
     sample: u64,
 }
 
+/// The output's motion from the start to the point where a step begins.
+#[derive(Debug, Clone, Copy)]
+pub struct Past<'a> {
+    /// Position at every point, rad.
+    pub position: &'a [f64],
+    /// Its rate at every point, rad/s.
+    pub speed: &'a [f64],
+    /// Between two points, s.
+    pub step_s: f64,
+}
+
 impl Servo {
-    /// The duty over the step that begins at the last point of the trace, where the motion's position and speed are
-    /// `now`.
-    pub(super) fn duty(&self, goal: f64, now: (f64, f64), trace: &Trace, of: &mut Loop) -> f64 {
-        let grid = &trace.grid;
-        let n = trace.screw_position.len() - 1;
-        let elapsed = n as f64 * grid.step_s;
-        let (mut look_ahead, mut span) = (0.5 * grid.step_s, grid.step_s);
+    /// The duty over the step that begins at the last point of the `past`.
+    ///
+    /// # Panics
+    ///
+    /// If the past has no point.
+    pub fn duty(&self, goal: f64, past: Past, of: &mut Loop) -> f64 {
+        let n = past.position.len() - 1;
+        let elapsed = n as f64 * past.step_s;
+        let (mut look_ahead, mut span) = (0.5 * past.step_s, past.step_s);
         if let Some(period) = self.period_s {
             let sample = (elapsed / period + 1e-9).floor() as u64 + 1;
             if sample == of.sample {
@@ -54,7 +67,7 @@ impl Servo {
             of.sample = sample;
             look_ahead = 0.0;
         }
-        let (position, speed) = self.seen(elapsed + look_ahead, now, trace, grid);
+        let (position, speed) = self.seen(elapsed + look_ahead, past);
         let error = goal + self.goal_offset - position;
         let error = error - error.clamp(-self.dead_band, self.dead_band);
         let free = self.proportional * error - self.derivative * speed + self.integral * of.integral;
@@ -65,15 +78,20 @@ impl Servo {
         of.duty
     }
 
+    /// The voltage that the bridge gives over that step, V, at a supply that was measured (V) or its own.
+    pub fn volts(&self, goal: f64, supply_v: Option<f64>, past: Past, of: &mut Loop) -> f64 {
+        supply_v.unwrap_or(self.supply_v) * self.duty(goal, past, of)
+    }
+
     /// Position and speed of the output as the loop sees them at a time since the start, s. Before the start the position
     /// is the first one.
-    fn seen(&self, at: f64, now: (f64, f64), trace: &Trace, grid: &Grid) -> (f64, f64) {
-        let last = trace.screw_position.len() - 1;
-        let point = (at - self.feedback_delay_s) / grid.step_s;
+    fn seen(&self, at: f64, past: Past) -> (f64, f64) {
+        let Past { position, speed, step_s } = past;
+        let last = position.len() - 1;
+        let point = (at - self.feedback_delay_s) / step_s;
         if point >= last as f64 {
-            return (now.0 + (point - last as f64) * grid.step_s * now.1, now.1);
+            return (position[last] + (point - last as f64) * step_s * speed[last], speed[last]);
         }
-        let (position, speed) = trace.output();
         if point <= 0.0 {
             return (position[0], speed[0]);
         }
@@ -126,21 +144,31 @@ pub struct Feed<'a> {
 
 impl Feed<'_> {
     /// The command over a step.
+    #[must_use]
     #[inline(always)]
-    pub(super) fn command(&self, step: usize) -> f64 {
+    pub fn command(&self, step: usize) -> f64 {
         self.commands.get(step).copied().unwrap_or(0.0)
     }
 
-    /// By how much the drive is warmer than the reference over a step, K.
+    /// The measured supply over a step, V.
+    #[must_use]
     #[inline(always)]
-    pub(super) fn warmer_k(&self, step: usize) -> f64 {
+    pub fn supply(&self, step: usize) -> Option<f64> {
+        self.supply_v.and_then(|v| v.get(step).copied())
+    }
+
+    /// By how much the drive is warmer than the reference over a step, K.
+    #[must_use]
+    #[inline(always)]
+    pub fn warmer_k(&self, step: usize) -> f64 {
         let measured = self.temperature_c.and_then(|t| t.get(step.min(t.len().saturating_sub(1))));
         measured.map_or(0.0, |t| t - REFERENCE_TEMPERATURE_C)
     }
 
     /// Whether the bridge is open over a step.
+    #[must_use]
     #[inline(always)]
-    pub(super) fn released(&self, step: usize) -> bool {
+    pub fn released(&self, step: usize) -> bool {
         self.enable.is_some_and(|on| on.get(step).is_some_and(|on| *on < 0.5))
     }
 }
@@ -148,7 +176,7 @@ impl Feed<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::{Link, Plant};
+    use crate::plant::{Grid, Link, Plant, Trace};
 
     const WINDING: Winding = Winding { force_per_current: 0.3, resistance_ohm: 2.0, supply_v: 7.4 };
 

@@ -74,7 +74,7 @@ impl Plant {
 
     /// The greatest step of integration, s, that follows the transmission's oscillation; infinite without one.
     #[must_use]
-    pub(crate) fn longest_step_s(&self) -> f64 {
+    pub fn longest_step_s(&self) -> f64 {
         match self.is_parted() {
             true => STEP_PER_RADIAN / (self.stiffness / self.rotor_against_load()).sqrt(),
             false => f64::INFINITY,
@@ -85,7 +85,12 @@ impl Plant {
     #[must_use]
     pub(crate) fn ahead_at_rest(&self, position: f64) -> f64 {
         let Link::Pendulum { gravity_torque_nm, arm_m, .. } = self.link_2 else { return 0.0 };
-        let force = gravity_torque_nm * (position / arm_m).sin() / arm_m;
+        self.ahead_under(gravity_torque_nm * (position / arm_m).sin() / arm_m)
+    }
+
+    /// How far the rotor is ahead of a load that it holds by a force (N), m.
+    #[must_use]
+    pub fn ahead_under(&self, force: f64) -> f64 {
         let half_gap = if force == 0.0 { 0.0 } else { (0.5 * self.transmission.gap).copysign(force) };
         half_gap + force / self.stiffness
     }

@@ -1,4 +1,4 @@
-//! A robot with torque drives in parts, for whoever writes it in another format.
+//! A robot with its drives in parts, for whoever writes it in another format.
 
 use super::RobotModel;
 use super::joint::Column;
@@ -16,7 +16,7 @@ pub struct DrivenJoint<'a> {
     pub drive: &'a BenchModel,
     /// Values of the drive's parameters, in their order.
     pub values: Vec<f64>,
-    /// The column that commands it, a torque or a force.
+    /// The column that commands it.
     pub command: String,
     /// What that column is called on the drive's own bench.
     pub input: &'static str,
@@ -53,7 +53,7 @@ impl RobotModel {
                 values: joint.own(values),
                 command: joint.command(),
                 input: joint.input(),
-                channels: [Column::Position, Column::Speed].map(shown).to_vec(),
+                channels: Column::ALL.map(shown).to_vec(),
             }
         });
         described.collect()

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A robot with torque drives as its file describes it. What `sealegs add` writes has the same form.
+/// A robot with its drives as its file describes it. What `sealegs add` writes has the same form.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotFile {

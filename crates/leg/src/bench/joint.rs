@@ -1,8 +1,8 @@
 //! A joint of a robot with its drive: its columns, and what was seen of it.
 
 use sealegs_actuator::bench::BenchModel;
-use sealegs_actuator::bench::TEMPERATURE;
-use sealegs_model::{Excitation, SignalRange};
+use sealegs_model::columns::BESIDE;
+use sealegs_model::{Excitation, Model, ModelError, Record, SignalRange};
 
 /// A joint with its drive.
 #[derive(Debug, Clone)]
@@ -19,17 +19,82 @@ pub(super) struct Joint {
 pub(super) enum Column {
     Position,
     Speed,
+    /// The rotor's own angle.
+    Motor,
+}
+
+impl Column {
+    pub const ALL: [Self; 3] = [Self::Position, Self::Speed, Self::Motor];
 }
 
 impl Joint {
-    /// The column that commands it.
+    /// The columns that may command it, the drive's own first, and what each is called on a bench of the drive alone.
+    pub fn commands(&self) -> Vec<(String, &'static str)> {
+        let known = |input: &'static str| {
+            let what = match (input, self.slides) {
+                ("joint_torque_nm", false) => "torque_nm",
+                ("motor_force_n", true) => "force_n",
+                ("current_a" | "voltage_v" | "position_rad", _) => input,
+                _ => return None,
+            };
+            Some((format!("{}.{what}", self.name), input))
+        };
+        let mut all: Vec<_> = self.model.inputs().iter().filter_map(|input| known(input)).collect();
+        // A drive without a winding or a loop is told an effort, unless the record says otherwise.
+        all.sort_by_key(|(_, input)| match *input {
+            "position_rad" => 0,
+            "voltage_v" => 1,
+            "current_a" => 3,
+            _ => 2,
+        });
+        all
+    }
+
+    /// The column that commands it where no record says which.
     pub fn command(&self) -> String {
-        format!("{}.{}", self.name, if self.slides { "force_n" } else { "torque_nm" })
+        self.commands().swap_remove(0).0
     }
 
     /// What that column is called on a bench of the drive alone.
     pub fn input(&self) -> &'static str {
+        self.commands()[0].1
+    }
+
+    /// What an effort is called on a bench of the drive alone.
+    pub fn effort(&self) -> &'static str {
         if self.slides { "motor_force_n" } else { "joint_torque_nm" }
+    }
+
+    /// The command in a record with its name on a bench of the drive alone; `None` for a joint that is told nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::NoInput`] for two commands at once.
+    pub fn command_in<'a>(
+        &self,
+        record: &'a Record,
+    ) -> Result<Option<(&'static str, &'a [f64])>, ModelError> {
+        let commands = self.commands();
+        let mut told = commands.iter().filter_map(|(name, input)| Some((name, *input, record.input(name)?)));
+        match (told.next(), told.next()) {
+            (first, None) => Ok(first.map(|(_, input, values)| (input, values))),
+            (first, second) => Err(ModelError::NoInput {
+                record: record.name.clone(),
+                wanted: commands.iter().map(|(name, _)| name.clone()).collect(),
+                found: first.into_iter().chain(second).map(|(name, ..)| name.clone()).collect(),
+            }),
+        }
+    }
+
+    /// What a record holds beside the command, by the name of a bench's column: of this joint, or of all.
+    pub fn beside<'a>(&self, record: &'a Record, column: &str) -> Option<&'a [f64]> {
+        record.input(&format!("{}.{column}", self.name)).or_else(|| record.input(column))
+    }
+
+    /// Whether the drive reads a column, command or beside it.
+    pub fn reads(&self, channel: &str) -> bool {
+        let own = channel.strip_prefix(&self.name).and_then(|rest| rest.strip_prefix('.'));
+        BESIDE.contains(&own.unwrap_or(channel)) || self.commands().iter().any(|(name, _)| name == channel)
     }
 
     /// Values of the drive's parameters, out of those of the robot's.
@@ -44,6 +109,7 @@ impl Joint {
             (Column::Position, true) => "position_m",
             (Column::Speed, false) => "speed_rad_s",
             (Column::Speed, true) => "speed_m_s",
+            (Column::Motor, _) => "motor_angle_rad",
         };
         format!("{}.{what}", self.name)
     }
@@ -55,24 +121,27 @@ impl Joint {
             (Column::Position, true) => "position_m",
             (Column::Speed, false) => "speed_rad_s",
             (Column::Speed, true) => "speed_m_s",
+            (Column::Motor, _) => "motor_angle_rad",
         }
     }
 
     /// What was seen at this joint, by the names of the drive's own bench.
     pub fn seen(&self, seen: &Excitation) -> Excitation {
         let prefix = format!("{}.", self.name);
-        let columns = [Column::Position, Column::Speed];
-        let measured = columns.into_iter().filter(|c| seen.measured.contains(&self.channel(*c)));
-        // A joint's thermometer is not fed to its drive: nothing may be asked to follow it.
-        let own = seen.ranges.iter().filter_map(|r| Some((r.name.strip_prefix(&prefix)?, r)));
-        let own = own.filter(|(name, _)| *name != TEMPERATURE);
-        let ranges = own.map(|(name, range)| SignalRange {
-            name: if self.command() == range.name { self.input() } else { name }.to_owned(),
-            ..range.clone()
-        });
+        let measured = Column::ALL.into_iter().filter(|c| seen.measured.contains(&self.channel(*c)));
+        let commands = self.commands();
+        let name = |range: &SignalRange| {
+            let command = commands.iter().find(|(name, _)| *name == range.name).map(|(_, input)| *input);
+            let beside = || BESIDE.contains(&range.name.as_str()).then_some(range.name.as_str());
+            command.or_else(|| range.name.strip_prefix(&prefix)).or_else(beside).map(str::to_owned)
+        };
         Excitation {
             measured: measured.map(|c| self.at_drive(c).to_owned()).collect(),
-            ranges: ranges.collect(),
+            ranges: seen
+                .ranges
+                .iter()
+                .filter_map(|range| Some(SignalRange { name: name(range)?, ..range.clone() }))
+                .collect(),
             sample_period_s: seen.sample_period_s,
         }
     }

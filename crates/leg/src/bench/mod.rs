@@ -1,14 +1,15 @@
-//! A robot on a fixed base or a rail with a torque drive on each of its joints, as a model that diagnosis can compare
-//! with records.
+//! A robot on a fixed base or a rail with a drive on each of its joints, as a model that diagnosis can compare with records.
 //!
 //! Every joint has a drive without a spring ([`sealegs_actuator::bench`]): its rotor's inertia, damping, friction and
 //! every other effect of the actuators' catalogue act at the joint, and carry its name: `elbow/coulomb-friction`. The
 //! links' motion is integrated in the joints' coordinates.
 //!
-//! Columns: `<joint>.torque_nm` commands a joint (one without such a column gets none), `<joint>.angle_rad` and
-//! `<joint>.speed_rad_s` are compared; of a sliding joint `.force_n`, `.position_m`, `.speed_m_s`. A run begins where its
-//! log does: each joint's position and speed by a parabola through the first rows, the position alone zero where it was
-//! not logged. Friction that the URDF states is not taken: `coulomb-friction` is found, or named by the file.
+//! Columns: one of `<joint>.torque_nm`, `.current_a`, `.voltage_v` and `.position_rad` (the goal of a servo's own loop)
+//! commands a joint, as its drive admits; one without any is told no torque. Beside it a drive reads `<joint>.enable`,
+//! `.supply_v` and `.temperature_c`, or the same without a joint where all share them. `<joint>.angle_rad`, `.speed_rad_s` and
+//! `.motor_angle_rad` are compared; of a sliding joint `.force_n` commands, `.position_m` and `.speed_m_s` are compared. A run
+//! begins where its log does: each joint's position and speed by a parabola through the first rows, the position alone zero
+//! where it was not logged. Friction that the URDF states is not taken: `coulomb-friction` is found, or named by the file.
 
 mod described;
 mod file;
@@ -16,6 +17,7 @@ mod joint;
 mod links;
 mod model;
 mod observed;
+mod rub;
 mod simulate;
 mod stated;
 mod tree;

@@ -1,22 +1,22 @@
-//! The robot with torque drives as a model: parameters by joint and link, effects by joint, prediction of a record.
+//! The robot with its drives as a model: parameters by joint and link, effects by joint, prediction of a record.
 
 use super::RobotFile;
 use super::joint::{Column, Joint};
 use super::links::{self, LinkParameters};
 use super::observed::Observed;
-use super::simulate::{JointTrace, Machine};
+use super::simulate::{Course, JointTrace, Machine};
 use super::stated::with_embedded;
 use super::tree::Tree;
 use crate::LegError;
 use crate::error::nearest;
 use crate::robot::{JointKind, Robot};
-use sealegs_actuator::bench::{Bench, BenchModel, command_times, start_of};
+use sealegs_actuator::bench::{Bench, BenchModel, Fed, Stamps, start_of};
 use sealegs_actuator::effect::Effect;
-use sealegs_actuator::plant::{Grid, Plant, mean_per_step, sample};
+use sealegs_actuator::plant::{Feed, Grid, Plant, sample};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_actuator::{ActuatorSpec, Kind};
 use sealegs_model::{
-    EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
+    EffectCard, Excitation, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -31,10 +31,16 @@ const WITHOUT_SPRINGS: f64 = 0.25;
 /// A search takes no longer steps than that, s, or than a sample: 12 rad/s go 0.05 rad in it.
 const LONGEST_SEARCH_STEP_S: f64 = 4e-3;
 
+/// The same where a joint has a position loop of its own: a stiff one of hobby servos turns at some 60 rad/s.
+const LONGEST_STEP_OF_LOOPS_S: f64 = 2e-3;
+
+/// What a commanded torque does not feel of a drive.
+const UNFELT_BY_EFFORT: [&str; 2] = ["force_constant", "winding_resistance"];
+
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 
-/// A robot on a fixed base or a rail with a torque drive on every joint.
+/// A robot on a fixed base or a rail with a drive without a spring on every joint.
 #[derive(Debug, Clone)]
 pub struct RobotModel {
     pub(super) file: Arc<RobotFile>,
@@ -84,8 +90,8 @@ impl RobotModel {
             let drive = file.drive_of(&joint.name);
             let spec = ActuatorSpec::load(drive, Some(&file.folder))?;
             let slides = joint.kind == JointKind::Prismatic;
-            if !spec.is_rigid() || spec.servo.is_some() {
-                let problem = format!("'{drive}' must be a drive without a spring that takes a torque");
+            if !spec.is_rigid() {
+                let problem = format!("'{drive}' must be a drive without a spring: `spring = \"none\"`");
                 return Err(bad(format!("drive.{}", joint.name), problem));
             }
             if slides != (spec.kind == Kind::Linear) {
@@ -102,7 +108,7 @@ impl RobotModel {
             spec.effects.clear();
             // What the URDF states of the joint's viscous loss is its own, beside the drive's.
             spec.motor.rotor_damping_nm_s += joint.damping * spec.ratio() * spec.ratio();
-            let model = BenchModel::with_own_effects(spec, Bench::Free { load }, own.clone())?.joined();
+            let model = BenchModel::with_own_effects(spec, Bench::Free { load }, own.clone())?;
             let mut at = Vec::new();
             for p in Model::parameters(&model) {
                 let shared = SHARED.contains(&p.name.as_str());
@@ -112,9 +118,7 @@ impl RobotModel {
                     continue;
                 }
                 at.push(parameters.len());
-                // A torque command does not feel the torque constant.
-                let unfelt = p.name == "force_constant";
-                parameters.push(Parameter { name, fixed: p.fixed || unfelt, ..p.clone() });
+                parameters.push(Parameter { name, ..p.clone() });
             }
             joints.push(Joint { name: joint.name.clone(), slides, model, at });
         }
@@ -137,9 +141,10 @@ impl RobotModel {
         Ok(model)
     }
 
-    /// The same model with the starts of these records, taken from their first rows.
+    /// The same model for these records: runs start as their first rows say, and what a joint's commands do not feel of its
+    /// drive is not fitted.
     #[must_use]
-    pub fn with_starts<'a>(mut self, records: impl IntoIterator<Item = &'a Record>) -> Self {
+    pub fn for_records(mut self, records: &[&Record]) -> Self {
         for record in records {
             let of = |joint: &Joint| {
                 let signal = |column| record.output(&joint.channel(column));
@@ -148,6 +153,15 @@ impl RobotModel {
                 position.unwrap_or((0.0, speed.unwrap_or(0.0)))
             };
             self.starts.insert(record.name.clone(), self.joints.iter().map(of).collect());
+        }
+        for joint in &self.joints {
+            let input = |record: &&Record| joint.command_in(record).ok().flatten().map(|(input, _)| input);
+            if records.iter().filter_map(input).any(|input| input != joint.effort()) {
+                continue;
+            }
+            for name in UNFELT_BY_EFFORT.map(|p| format!("{}/{p}", joint.name)) {
+                self.parameters.iter_mut().filter(|p| p.name == name).for_each(|p| p.fixed = true);
+            }
         }
         self
     }
@@ -170,7 +184,7 @@ impl RobotModel {
     pub fn sensors(&self) -> BTreeMap<String, SensorSpec> {
         let mut all = BTreeMap::new();
         for joint in &self.joints {
-            for column in [Column::Position, Column::Speed] {
+            for column in Column::ALL {
                 if let Some(sensor) = joint.model.spec().sensors.get(joint.at_drive(column)) {
                     all.insert(joint.channel(column), *sensor);
                 }
@@ -183,11 +197,18 @@ impl RobotModel {
     /// What keeps a column from commanding this robot, if anything does.
     #[must_use]
     pub fn refuses_input(&self, channel: &str) -> Option<String> {
-        if self.joints.iter().any(|j| j.command() == channel) {
+        if self.joints.iter().any(|j| j.reads(channel)) {
             return None;
         }
-        let commands: Vec<String> = self.joints.iter().map(Joint::command).collect();
-        let hint = nearest(channel, commands.iter().map(String::as_str))
+        let commands = |joint: &Joint| joint.commands().into_iter().map(|(name, _)| name).collect::<Vec<_>>();
+        let of =
+            self.joints.iter().find(|j| channel.rsplit_once('.').is_some_and(|(name, _)| name == j.name));
+        if let Some(joint) = of {
+            let takes = commands(joint).join(", ");
+            return Some(format!("does not command joint '{}': its drive takes {takes}", joint.name));
+        }
+        let all: Vec<String> = self.joints.iter().flat_map(commands).collect();
+        let hint = nearest(channel, all.iter().map(String::as_str))
             .map(|n| format!("; did you mean '{n}'?"))
             .unwrap_or_default();
         Some(format!("commands no joint of {}{hint}", self.name))
@@ -261,11 +282,22 @@ impl RobotModel {
         Ok(())
     }
 
-    /// The robot with parameter values in place.
-    fn machine(&self, values: &[f64]) -> Result<Machine, ModelError> {
-        let plants = self.joints.iter().map(|joint| joint.model.plant(&joint.own(values), joint.input()));
-        let drives = plants.collect::<Result<Vec<Plant>, ModelError>>()?;
-        Ok(Machine { tree: self.tree_at(values), drives })
+    /// The robot with parameter values in place, each drive told what it is in the record.
+    fn machine(&self, values: &[f64], record: &Record) -> Result<Machine, ModelError> {
+        let plant = |joint: &Joint| {
+            let input = joint.command_in(record)?.map_or(joint.effort(), |(input, _)| input);
+            joint.model.plant(&joint.own(values), input)
+        };
+        let drives = self.joints.iter().map(plant).collect::<Result<Vec<Plant>, ModelError>>()?;
+        Ok(Machine::new(self.tree_at(values), drives))
+    }
+
+    /// Whether a joint follows a goal by its own loop in any of the records.
+    fn has_loop(&self, records: &[&Record]) -> bool {
+        let goal = |record: &&Record, joint: &Joint| {
+            matches!(joint.command_in(record), Ok(Some(("position_rad", _))))
+        };
+        records.iter().any(|record| self.joints.iter().any(|joint| goal(record, joint)))
     }
 
     /// The links with parameter values in place.
@@ -282,9 +314,8 @@ impl RobotModel {
 
     /// Every channel that the robot's sensors can show.
     fn find(&self, channel: &str) -> Option<(usize, Column)> {
-        let columns = [Column::Position, Column::Speed];
         let of = |(i, joint): (usize, &Joint)| {
-            columns.into_iter().find(|c| joint.channel(*c) == channel).map(|c| (i, c))
+            Column::ALL.into_iter().find(|c| joint.channel(*c) == channel).map(|c| (i, c))
         };
         self.joints.iter().enumerate().find_map(of)
     }
@@ -302,27 +333,31 @@ impl RobotModel {
             let Some((i, column)) = self.find(channel) else {
                 return Err(ModelError::UnknownChannel { channel: channel.clone() });
             };
-            let dense = match column {
-                Column::Position => &traces[i].position,
-                Column::Speed => &traces[i].speed,
+            let (dense, per_travel) = match column {
+                Column::Position => (traces[i].position.as_slice(), 1.0),
+                Column::Speed => (traces[i].speed.as_slice(), 1.0),
+                Column::Motor => (traces[i].rotor_position(), 1.0 / machine.drives[i].travel_per_rad),
             };
             let at_drive = self.joints[i].at_drive(column);
             let stages: Vec<_> =
                 machine.drives[i].laws.sensor_stages.iter().filter(|s| s.concerns(at_drive)).collect();
-            let values = if stages.is_empty() {
+            let mut values = if stages.is_empty() {
                 sample(dense, grid, time_s, 0.0)
             } else {
-                let mut dense = dense.clone();
+                let mut dense = dense.to_vec();
                 stages.iter().for_each(|stage| stage.apply(&mut dense, grid.step_s));
                 sample(&dense, grid, time_s, 0.0)
             };
+            if per_travel != 1.0 {
+                values.iter_mut().for_each(|angle| *angle *= per_travel);
+            }
             outputs.push(Signal { channel: channel.clone(), values });
         }
         let mut internals = Vec::with_capacity(6 * traces.len());
         for (joint, trace) in self.joints.iter().zip(traces) {
             for (name, dense) in [
-                (internal::SCREW_SPEED, &trace.speed),
-                (internal::SCREW_POSITION, &trace.position),
+                (internal::SCREW_SPEED, trace.rotor_speed()),
+                (internal::SCREW_POSITION, trace.rotor_position()),
                 (internal::SCREW_FORCE, &trace.load),
                 (internal::MOTOR_FORCE, &trace.motor),
                 (internal::JOINT_ANGLE, &trace.position),
@@ -338,7 +373,7 @@ impl RobotModel {
 
 impl Model for RobotModel {
     fn name(&self) -> String {
-        format!("{} with torque drives", self.name)
+        format!("{} with its drives", self.name)
     }
 
     fn parameters(&self) -> &[Parameter] {
@@ -389,30 +424,32 @@ impl Model for RobotModel {
                 admitted: "at least 2",
             });
         }
-        let machine = self.machine(values)?;
+        let machine = self.machine(values, record)?;
         let period_s = record.mean_period_s();
-        let fewer = self.steps_per_sample.map_or(0.0, |n| {
-            (period_s / (n * WITHOUT_SPRINGS).max(1.0)).max(LONGEST_SEARCH_STEP_S.min(2.0 * period_s))
-        });
-        let grid = Grid::covering(&record.time_s, self.step_s.max(fewer));
+        let longest = if self.has_loop(&[record]) { LONGEST_STEP_OF_LOOPS_S } else { LONGEST_SEARCH_STEP_S };
+        let fewer = self
+            .steps_per_sample
+            .map_or(0.0, |n| (period_s / (n * WITHOUT_SPRINGS).max(1.0)).max(longest.min(2.0 * period_s)));
+        let followed = machine.drives.iter().map(Plant::longest_step_s).fold(f64::INFINITY, f64::min);
+        let grid = Grid::covering(&record.time_s, self.step_s.max(fewer).min(followed));
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
-        let lead = record.hold == InputHold::ZeroOrder && value("command_lead") > 0.5;
-        let told = command_times(&record.time_s, lead, value("clock_skew") * period_s);
-        let commands: Vec<Vec<f64>> = self
-            .joints
-            .iter()
-            .zip(&machine.drives)
-            .map(|(joint, plant)| match record.input(&joint.command()) {
-                Some(values) => mean_per_step(&told, values, record.hold, &plant.laws.command_stages, &grid),
-                None => Vec::new(),
+        let stamped = (record, Stamps::of(record, value));
+        let fed = self.joints.iter().zip(&machine.drives).map(|(joint, plant)| {
+            let command = joint.command_in(record)?.map_or(&[][..], |(_, values)| values);
+            Ok(match command.is_empty() {
+                true => Fed::default(),
+                false => Fed::of(plant, stamped, command, |column| joint.beside(record, column), &grid),
             })
-            .collect();
+        });
+        let fed = fed.collect::<Result<Vec<Fed>, ModelError>>()?;
+        let feeds: Vec<Feed> = fed.iter().map(Fed::feed).collect();
         let still = vec![(0.0, 0.0); self.joints.len()];
         let start = self.starts.get(&record.name).unwrap_or(&still);
         let names: Vec<String> = self.joints.iter().map(|j| j.name.clone()).collect();
         let pulls = self.observed.as_ref().and_then(|observed| observed.pulls(record, &grid));
-        let traces = machine.run(start, &commands, pulls.as_deref(), grid, &names)?;
+        let course = Course { start, feeds: &feeds, pulls: pulls.as_deref(), grid };
+        let traces = machine.run(&course, &names)?;
         let mut prediction = self.sense(&machine, &traces, &grid, &record.time_s, channels)?;
         let shown = pulls.filter(|_| self.observed.as_ref().is_some_and(|o| o.shows_missing()));
         if let Some(pulls) = shown {
@@ -435,7 +472,11 @@ impl Model for RobotModel {
         Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }
 
+    /// `None` where loops of the joints' own hold their positions: an error does not grow there.
     fn forgetting(&self, records: &[&Record], memory_s: f64) -> Option<Box<dyn Model>> {
+        if self.has_loop(records) {
+            return None;
+        }
         let observed = Observed::of(records, &self.positions(), Some(1.0 / memory_s))?;
         Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }

@@ -100,12 +100,12 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
 fn not_tried(model: &dyn Model) -> Option<String> {
     let cards = model.effects(&Excitation::default());
     let offers = |family: &str| cards.iter().any(|c| c.id.rsplit('/').next() == Some(family));
-    let why = match model.inputs().is_empty() {
-        true => "a robot's joint moves with its motor here",
-        false => "the bench states no load apart from what the drive moves itself",
-    };
     (!offers("backlash") && !offers("series-compliance"))
-        .then(|| format!("play and compliance between motor and joint were not tried: {why}"))
+        .then(|| {
+            "play and compliance between motor and joint were not tried: the bench states no load apart from what the drive \
+             moves itself"
+                .to_owned()
+        })
 }
 
 impl Diagnosis {

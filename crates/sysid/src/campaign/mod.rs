@@ -25,7 +25,7 @@ pub use memory::{CampaignBuilder, RunColumns};
 pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
 pub use rig::RigValues;
 pub use sealegs_model::columns::{
-    BESIDE as SIDE_COLUMNS, INPUTS as INPUT_COLUMNS, OUTPUTS as OUTPUT_COLUMNS,
+    BESIDE as SIDE_COLUMNS, INPUTS as INPUT_COLUMNS, JOINT_COMMANDS, OUTPUTS as OUTPUT_COLUMNS,
 };
 
 use crate::nuisance::SensorPrior;

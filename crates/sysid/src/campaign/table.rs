@@ -1,7 +1,7 @@
 //! One run's table, whatever it was stored as: what is asked of its columns, and the columns sorted by what they are.
 
 use super::file::{RunEntry, did_you_mean};
-use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, OUTPUT_COLUMNS, SIDE_COLUMNS};
+use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, JOINT_COMMANDS, OUTPUT_COLUMNS, SIDE_COLUMNS};
 use crate::{Error, Place};
 use sealegs_logs::columns::ColumnMap;
 use sealegs_logs::join::{self, JoinError, Request};
@@ -32,8 +32,9 @@ pub(super) struct Said<'a> {
 
 impl Said<'_> {
     fn is_input(&self, channel: &str) -> bool {
-        let bench = !self.bench.has_joints() && (INPUT_COLUMNS.contains(&channel) || is_beside(channel));
-        let joint = self.bench == Bench::Robot && is_joint_command(channel);
+        let bench =
+            !self.bench.has_joints() && (INPUT_COLUMNS.contains(&channel) || SIDE_COLUMNS.contains(&channel));
+        let joint = self.bench == Bench::Robot && (is_joint_command(channel) || is_beside(channel));
         bench || joint || self.leg_inputs.iter().any(|i| i == channel)
     }
 
@@ -185,7 +186,10 @@ pub(super) fn check_columns(path: &Path, at: Place, words: &[&str], said: Said) 
         return Err(Error::bad(path, at, Some("time_s"), format!("is missing{hint}")));
     }
     if said.bench == Bench::Robot && !words.iter().any(|w| is_joint_command(w)) {
-        let problem = "no input column; a robot's joints are commanded by '<joint>.torque_nm'";
+        let problem = format!(
+            "no input column; a robot's joints are commanded by '<joint>.{}'",
+            JOINT_COMMANDS.join("', '.")
+        );
         return Err(Error::bad(path, at, None, problem));
     }
     if said.bench.has_joints() {
@@ -217,12 +221,12 @@ pub(super) fn check_columns(path: &Path, at: Place, words: &[&str], said: Said) 
 
 /// Whether a robot's column commands a joint.
 fn is_joint_command(name: &str) -> bool {
-    name.ends_with(".torque_nm") || name.ends_with(".force_n")
+    name.split_once('.').is_some_and(|(_, what)| JOINT_COMMANDS.contains(&what))
 }
 
-/// Whether a drive reads the column beside its command.
+/// Whether a drive, at a joint or alone, reads the column beside its command.
 fn is_beside(name: &str) -> bool {
-    SIDE_COLUMNS.contains(&name)
+    SIDE_COLUMNS.contains(&name.split_once('.').map_or(name, |(_, what)| what))
 }
 
 /// There must be enough rows.

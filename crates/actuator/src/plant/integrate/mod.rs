@@ -9,8 +9,9 @@
 mod rub;
 mod state;
 
+use super::laws::SpringStep;
 use super::linear::{LinearPart, MOST, Propagator, Row};
-use super::servo::Loop;
+use super::servo::{Loop, Past};
 use super::{Feed, GRAVITY_M_S2, Grid, Link, MOST_PRESLIDING, Observer, Plant, Trace, WobblingMass};
 use rub::Friction;
 use sealegs_model::ModelError;
@@ -229,10 +230,9 @@ impl<'a, const N: usize> Stepper<'a, N> {
         for n in 0..self.grid.steps {
             let mut command = feed.command(n);
             if let Some((servo, of)) = &mut servo {
-                let output = self.output.unwrap_or(0);
-                let now = (state.motion.position[output], state.motion.velocity[output]);
-                let supply = feed.supply_v.and_then(|v| v.get(n).copied()).unwrap_or(servo.supply_v);
-                command = supply * servo.duty(command, now, &trace, of);
+                let (position, speed) = trace.output();
+                let past = Past { position, speed, step_s: self.grid.step_s };
+                command = servo.volts(command, feed.supply(n), past, of);
             }
             state.released = feed.released(n);
             state.warmer_k = feed.warmer_k(n);
@@ -419,19 +419,16 @@ impl<'a, const N: usize> Stepper<'a, N> {
     /// Mean force of the spring over the step beyond its linear law, N, positive in compression.
     #[inline(always)]
     fn departure(&self, from: &State<N>, mean: &Motion<N>) -> f64 {
-        let (h, per_step, plant) = (self.grid.step_s, self.per_step, self.plant);
-        let delta = dot(&self.deflection, &mean.position);
-        let rate = dot(&self.deflection, &mean.velocity);
-        let mut departure =
-            plant.laws.spring_force_beside(plant.stiffness, delta, rate, from.time_s + 0.5 * h);
-        if plant.laws.spring_damping != 0.0 && !plant.laws.spring_path.is_empty() {
-            // The damper works in contact only: over a step that makes or breaks it, in proportion.
-            let start = dot(&self.deflection, &from.motion.position);
-            let in_contact = plant.laws.spring_left(start + h * rate) - plant.laws.spring_left(start);
-            departure += plant.laws.spring_damping * (in_contact * per_step - rate);
-        }
-        if let Some(element) = plant.laws.spring_slip {
-            departure += element.advance(from.spring_slip, 0.5 * h * rate);
+        let over = SpringStep {
+            start: dot(&self.deflection, &from.motion.position),
+            mean: dot(&self.deflection, &mean.position),
+            rate: dot(&self.deflection, &mean.velocity),
+            step_s: self.grid.step_s,
+            per_step: self.per_step,
+        };
+        let mut departure = self.plant.laws.spring_departure(self.plant.stiffness, &over, from.time_s);
+        if let Some(element) = self.plant.laws.spring_slip {
+            departure += element.advance(from.spring_slip, 0.5 * over.step_s * over.rate);
         }
         departure
     }
