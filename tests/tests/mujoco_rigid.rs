@@ -152,7 +152,7 @@ fn robot() -> (Case, [BenchJob; 2]) {
         let values = vec![start; record.time_s.len()];
         record.outputs.push(Signal { channel: channel.to_owned(), values });
     }
-    let models = [plain, with].map(|model| model.with_starts([&record]));
+    let models = [plain, with].map(|model| model.for_records(&[&record]));
     let channel = "elbow.angle_rad";
     let show = |model: &RobotModel| {
         let shown = model.predict(&model.nominal(), &record, &[channel.to_owned()]).unwrap();

@@ -140,3 +140,30 @@ fn what_cannot_be_done_is_one_message_and_status_2() {
     }
     assert_eq!(std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap(), "mine");
 }
+
+#[test]
+fn a_dataset_of_lerobot_becomes_a_robot_with_a_run_for_each_episode() {
+    let dataset = tempfile::tempdir().unwrap();
+    let (data, meta) = (dataset.path().join("data").join("chunk-000"), dataset.path().join("meta"));
+    std::fs::create_dir_all(&data).unwrap();
+    std::fs::create_dir_all(&meta).unwrap();
+    let file = data.join("file-000.parquet");
+    std::fs::copy(log("lerobot.parquet"), &file).unwrap();
+    let info = r#"{"features": {"action": {"names": ["pan.pos"]},
+        "observation.state": {"names": ["pan.pos", "lift.pos"]}}}"#;
+    std::fs::write(meta.join("info.json"), info).unwrap();
+    let out = dataset.path().join("mine");
+    let told = said(&["import", text(&file), "-o", text(&out)]);
+    assert!(told.contains("-> pan.position_rad") && told.contains("-> lift.angle_rad"), "{told}");
+    let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+    for line in
+        ["bench = \"robot\"", "actuator = \"hobby-servo\"", "file = \"../data/chunk-000/file-000.parquet\""]
+    {
+        assert!(written.contains(line), "{line}: {written}");
+    }
+    let campaign = Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{written}"));
+    assert_eq!(campaign.runs.len(), 3);
+    assert!(campaign.runs[1].record.name.ends_with("#1"), "{}", campaign.runs[1].record.name);
+    let record = &campaign.runs[0].record;
+    assert!(record.input("pan.position_rad").is_some() && record.output("lift.angle_rad").is_some());
+}

@@ -173,6 +173,57 @@ fn a_servo_with_weights_of_its_own_per_run_gets_its_values_back() {
 }
 
 #[test]
+fn a_servo_at_a_robots_joint_is_diagnosed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (kt, resistance, armature, viscous, dry, gain) = (0.35, 3.0, 0.002, 0.005, 0.06, 2.0);
+    let (mass, length) = (0.4, 0.1);
+    let mut seed = 77;
+    let mut campaign = "bench = \"robot\"\nrobot = \"arm.urdf\"\nactuator = \"servo.toml\"\n\n".to_owned();
+    for (i, pace) in [2.1_f64, 3.7, 2.9].into_iter().enumerate() {
+        let goal = |n: usize| {
+            let t = n as f64 * 1e-2;
+            0.7 * (pace * t).sin() + 0.3 * (2.3 * pace * t).cos()
+        };
+        let force = |n: usize, x: f64, v: f64| {
+            let volts = 7.4 * (gain * (goal(n) - x)).clamp(-1.0, 1.0);
+            kt * (volts - kt * v) / resistance - mass * 9.81 * length * x.sin() - viscous * v
+        };
+        let x = move_one(800, 1e-2, (0.2, 0.0), armature + mass * length * length, force, dry);
+        let mut text = "time_s,pivot.position_rad,pivot.angle_rad\n".to_owned();
+        for (n, x) in x.iter().enumerate() {
+            let _ =
+                writeln!(text, "{:.3},{:.6},{:.6}", n as f64 * 1e-2, goal(n), x + 5e-4 * normal(&mut seed));
+        }
+        std::fs::write(folder.path().join(format!("run{i}.csv")), text).expect("written");
+        let role = if i == 2 { "holdout" } else { "fit" };
+        let _ = write!(campaign, "[[run]]\nfile = \"run{i}.csv\"\nrole = \"{role}\"\n\n");
+    }
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    write("campaign.toml", &campaign);
+    let urdf = format!(
+        "<robot name=\"arm\"><link name=\"base\"/><link name=\"arm\"><inertial><origin xyz=\"0 0 -{length}\"/>\
+         <mass value=\"{mass}\"/><inertia ixx=\"1e-7\" iyy=\"1e-7\" izz=\"1e-7\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\
+         </inertial></link><joint name=\"pivot\" type=\"continuous\"><parent link=\"base\"/><child link=\"arm\"/>\
+         <axis xyz=\"0 -1 0\"/></joint></robot>"
+    );
+    write("arm.urdf", &urdf);
+    let servo = "id = \"servo\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 0.35\n\
+                 rotor_inertia_kg_m2 = 0.002\nrotor_damping_nm_s = 0.005\nwinding_resistance_ohm = 3.0\nsupply_v = 7.4\n\
+                 [transmission]\ntype = \"direct\"\n[servo]\nproportional_per_rad = 2.0\n";
+    write("servo.toml", servo);
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (result, better) = (path("result.json"), path("better.toml"));
+    well(&["diagnose", &path("campaign.toml"), "--json", &result, "--better", &better]);
+    let found = json(Path::new(&result));
+    let effects = found["effects"].as_array().expect("a list");
+    assert_eq!(effects.len(), 1, "{}", found["sentence"]);
+    assert_eq!(effects[0], "pivot/coulomb-friction");
+    let got = parameter(&found["after"], "pivot/coulomb-friction.force_nm");
+    assert!((got / dry - 1.0).abs() < 0.1, "{got}");
+    well(&["compare", &path("campaign.toml"), "--model", &better, "--as-is"]);
+}
+
+#[test]
 fn a_robots_columns_and_files_are_refused_by_name() {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");

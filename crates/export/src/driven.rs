@@ -1,4 +1,4 @@
-//! Drives without a spring, each at a joint of its own: a rigid drive on a bench, or a robot with torque drives.
+//! Drives without a spring, each at a joint of its own: a rigid drive on a bench, or a robot with its drives.
 //!
 //! A bench is a robot of one joint. Its drive's numbers are those of the drive's own coordinate `y` (the output of a rotary
 //! drive, the travel of a linear one); a lever turns them into those of the joint, `y = arm angle`.
@@ -106,7 +106,7 @@ impl DrivenRobot {
         })
     }
 
-    /// A robot with torque drives, with its nominal values and the effects of its file.
+    /// A robot with its drives, with its nominal values and the effects of its file.
     ///
     /// # Errors
     ///

@@ -1,6 +1,6 @@
 //! A bench, a leg or a robot as a file of other people's simulators, and what that format cannot hold.
 //!
-//! [`bench()`] writes an actuator on a test bench, [`leg()`] a whole leg, [`robot()`] a robot with torque drives, each in one
+//! [`bench()`] writes an actuator on a test bench, [`leg()`] a whole leg, [`robot()`] a robot with its drives, each in one
 //! of four [`Format`]s. The text comes
 //! with its [`Note`]s: for every effect whether the file holds it, a Python callback beside the file adds it, or it is
 //! lost. The same notes stand as comments at the head of the file.
@@ -127,7 +127,7 @@ pub fn on_run(
     })
 }
 
-/// Writes a robot with torque drives, with its nominal values and the effects of its file; `stem` as for [`bench()`].
+/// Writes a robot with its drives, with its nominal values and the effects of its file; `stem` as for [`bench()`].
 ///
 /// # Errors
 ///

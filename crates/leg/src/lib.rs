@@ -1,6 +1,6 @@
 //! A URDF leg in the physics engine, driven by series elastic actuators.
 //!
-//! [`mod@bench`] is a robot with torque drives and no contact, in its joints' own coordinates.
+//! [`mod@bench`] is a robot with its drives and no contact, in its joints' own coordinates.
 //! A [`scenario`] says which [`robot`] does what; [`run()`] runs it for an [`Observer`](simulation::Observer)
 //! and returns peaks, events and the energy balance; [`impact`] sweeps drop heights and springs. Rigid
 //! bodies are the engine's, every force is ours (see [`dynamics`]); no type of the engine is public.

@@ -1,5 +1,6 @@
 //! What a column probably is, by the words in its name and the size of its numbers.
 
+use crate::lerobot;
 use crate::survey::{ColumnSurvey, Role};
 use crate::table::Table;
 use sealegs_model::{Unit, columns};
@@ -207,8 +208,14 @@ struct First {
 }
 
 /// Puts a role into every column that has one.
-pub(crate) fn roles(table: &Table, clock: Option<usize>, columns: &mut [ColumnSurvey]) {
+pub(crate) fn roles(
+    table: &Table,
+    clock: Option<usize>,
+    joints: &[(String, String)],
+    columns: &mut [ColumnSurvey],
+) {
     let mut guesses: Vec<First> = Vec::new();
+    let degrees = are_degrees(columns);
     for (i, column) in columns.iter().enumerate() {
         let values = &table.columns[i].values;
         // The number of the row, whatever it is called.
@@ -223,7 +230,7 @@ pub(crate) fn roles(table: &Table, clock: Option<usize>, columns: &mut [ColumnSu
             let reason = "the data contract calls it so".to_owned();
             guesses.push(First { column: i, target, settings: None, reason, rank: 0 });
         } else {
-            guesses.extend(by_words(i, own, column));
+            guesses.extend(of_dataset(i, own, degrees).or_else(|| by_words(i, own, column)));
         }
     }
     // Of a drive that logs its position and one torque, and no command, the torque is what drives it.
@@ -251,7 +258,8 @@ pub(crate) fn roles(table: &Table, clock: Option<usize>, columns: &mut [ColumnSu
     for guess in guesses {
         let name = &table.columns[guess.column].name;
         let of_a_joint_too = several.contains(&guess.target.to_owned()) || numbered(name).is_some();
-        let place = joint(name).filter(|_| many_joints && of_a_joint_too);
+        let named = joints.iter().find(|(column, _)| column == name).map(|(_, joint)| joint.clone());
+        let place = named.or_else(|| joint(name).filter(|_| many_joints && of_a_joint_too));
         let target = match place {
             Some(joint) => format!("{joint}.{}", of_a_joint(guess.target)),
             None => guess.target.to_owned(),
@@ -278,6 +286,35 @@ fn of_a_joint(target: &str) -> &str {
         "joint_torque_nm" | "output_torque_nm" => "torque_nm",
         other => other,
     }
+}
+
+/// The list that a column is a number of, if it is one of those in which a dataset of LeRobot holds joints.
+fn list_of(name: &str) -> Option<&str> {
+    let list = name.split_once('[').map_or(name, |(list, _)| list);
+    [lerobot::STATE, lerobot::ACTION].contains(&list).then_some(list)
+}
+
+/// Whether the joints of a dataset are in degrees: all are, if any of them reaches what no joint has in radians.
+fn are_degrees(columns: &[ColumnSurvey]) -> bool {
+    let reach = |c: &ColumnSurvey| c.range.map_or(0.0, |(low, high)| low.abs().max(high.abs()));
+    columns.iter().filter(|c| list_of(&c.name).is_some()).any(|c| reach(c) > DEGREES)
+}
+
+/// An angle beyond this is in degrees, rad.
+const DEGREES: f64 = 20.0;
+
+/// What a column of a dataset of LeRobot is: a measured position or its goal.
+fn of_dataset(index: usize, name: &str, degrees: bool) -> Option<First> {
+    let (target, what) = match list_of(name)? {
+        lerobot::ACTION => ("position_rad", "the goal"),
+        _ => ("joint_angle_rad", "the measured position"),
+    };
+    let mut reason = format!("LeRobot's name for {what}");
+    if degrees {
+        reason.push_str("; in degrees, it seems");
+    }
+    let settings = degrees.then(|| "unit = \"deg\"".to_owned());
+    Some(First { column: index, target, settings, reason, rank: 1 })
 }
 
 fn by_words(index: usize, name: &str, column: &ColumnSurvey) -> Option<First> {
@@ -316,7 +353,8 @@ fn by_words(index: usize, name: &str, column: &ColumnSurvey) -> Option<First> {
     }
     let mut settings = None;
     let size = column.range.map_or(0.0, |(low, high)| low.abs().max(high.abs()));
-    if target.ends_with("_rad") && (find(&["deg", "degrees"]).is_some() || (size > 20.0 && size <= 400.0)) {
+    if target.ends_with("_rad") && (find(&["deg", "degrees"]).is_some() || (size > DEGREES && size <= 400.0))
+    {
         settings = Some("unit = \"deg\"".to_owned());
         reason.push_str(&format!("; reaches {size:.0}: degrees, it seems"));
     } else if find(&["rpm"]).is_some() {

@@ -21,6 +21,7 @@ mod guess;
 mod hdf5;
 pub mod join;
 mod json;
+pub mod lerobot;
 mod matlab;
 mod mcap_log;
 mod numpy;

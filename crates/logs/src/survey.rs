@@ -84,13 +84,19 @@ const GAP: f64 = 5.0;
 /// Looks at every column of a log.
 #[must_use]
 pub fn survey(log: &Log) -> Survey {
-    Survey { tables: log.tables.iter().map(of_table).collect() }
+    survey_named(log, &[])
 }
 
-fn of_table(table: &Table) -> TableSurvey {
+/// The same where a dataset's metadata says which joints columns belong to, see [`crate::lerobot::joint_names`].
+#[must_use]
+pub fn survey_named(log: &Log, joints: &[(String, String)]) -> Survey {
+    Survey { tables: log.tables.iter().map(|table| of_table(table, joints)).collect() }
+}
+
+fn of_table(table: &Table, joints: &[(String, String)]) -> TableSurvey {
     let clock = of_clock(table);
     let mut columns: Vec<ColumnSurvey> = table.columns.iter().map(|c| of_column(table, c)).collect();
-    guess::roles(table, clock.as_ref().map(|c| c.column), &mut columns);
+    guess::roles(table, clock.as_ref().map(|c| c.column), joints, &mut columns);
     if let Some(clock) = &clock {
         let settings = (clock.unit != "s").then(|| format!("unit = \"{}\"", clock.unit));
         columns[clock.column].role =

@@ -74,10 +74,22 @@ impl Plant {
 
     /// The greatest step of integration, s, that follows the transmission's oscillation; infinite without one.
     #[must_use]
-    pub fn longest_step_s(&self) -> f64 {
+    fn longest_step_s(&self) -> f64 {
         match self.is_parted() {
             true => STEP_PER_RADIAN / (self.stiffness / self.rotor_against_load()).sqrt(),
             false => f64::INFINITY,
+        }
+    }
+
+    /// A wanted step of integration, s, or a power of two less that follows the transmission's oscillation as far as `least_s`
+    /// allows. Powers of two: what is prepared for a grid serves other values, too.
+    #[must_use]
+    pub fn step_following(&self, wanted_s: f64, least_s: f64) -> f64 {
+        let most = self.longest_step_s().max(least_s);
+        if most >= wanted_s {
+            wanted_s
+        } else {
+            wanted_s * 0.5_f64.powi((wanted_s / most).log2().ceil() as i32)
         }
     }
 
@@ -195,6 +207,16 @@ mod tests {
             let held = ledger.kinetic[n] + ledger.stored[n];
             assert!(held <= ledger.motor_work[n] + 1e-4, "{n}: {held} {}", ledger.motor_work[n]);
         }
+    }
+
+    #[test]
+    fn analytic_steps_follow_the_oscillation_by_powers_of_two() {
+        // sqrt(300 / 0.0075) = 200 rad/s: at most 1.5 ms.
+        let plant = drive(Transmission { stiffness: 300.0, ..Transmission::RIGID });
+        assert_eq!(plant.step_following(1e-3, 0.0), 1e-3);
+        assert_eq!(plant.step_following(4e-3, 0.0), 1e-3);
+        assert_eq!(plant.step_following(4e-3, 2e-3), 2e-3);
+        assert_eq!(drive(Transmission::RIGID).step_following(4e-3, 0.0), 4e-3);
     }
 
     #[test]

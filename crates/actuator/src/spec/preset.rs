@@ -4,12 +4,13 @@ use super::ActuatorSpec;
 use crate::ActuatorError;
 use crate::text::nearest;
 
-const PRESETS: [(&str, &str); 7] = [
+const PRESETS: [(&str, &str); 8] = [
     ("thor-linear", include_str!("../../../../assets/actuators/thor-linear.toml")),
     ("thor-hoekens", include_str!("../../../../assets/actuators/thor-hoekens.toml")),
     ("saffir-linear", include_str!("../../../../assets/actuators/saffir-linear.toml")),
     ("rmd-x8-rotary-sea", include_str!("../../../../assets/actuators/rmd-x8-rotary-sea.toml")),
     ("rigid-linear", include_str!("../../../../assets/actuators/rigid-linear.toml")),
+    ("hobby-servo", include_str!("../../../../assets/actuators/hobby-servo.toml")),
     ("rigid-rotary", include_str!("../../../../assets/actuators/rigid-rotary.toml")),
     ("mass-spring-damper", include_str!("../../../../assets/actuators/mass-spring-damper.toml")),
 ];

@@ -4,8 +4,8 @@ use crate::failure::{OrBadInput, bad_input};
 use crate::output::{Destination, NewFolder};
 use clap::Args;
 use sealegs::diagnosis::text::figures;
-use sealegs::logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey};
-use sealegs::logs::{Log, Place};
+use sealegs::logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey_named};
+use sealegs::logs::{Log, Place, lerobot};
 use sealegs::sysid::campaign::INPUT_COLUMNS;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -32,7 +32,7 @@ pub fn run(arguments: &Import) -> anyhow::Result<u8> {
     let mut logs: Vec<(&Path, Log, Survey)> = Vec::new();
     for file in &arguments.files {
         let log = sealegs::logs::read(file).or_bad_input()?;
-        let found = survey(&log);
+        let found = survey_named(&log, &lerobot::joint_names(file));
         logs.push((file, log, found));
     }
     let mut out = String::new();
@@ -155,14 +155,19 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
          name = {}\n",
         quoted(&name)
     );
-    out.push_str(if joints(logs) > 1 {
-        "bench = \"robot\"            # columns of several joints\n\
-         robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
-         actuator = \"rigid-rotary\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n"
+    if joints(logs) > 1 {
+        let drive = if follows_goals(logs) { "hobby-servo" } else { "rigid-rotary" };
+        let _ = writeln!(
+            out,
+            "bench = \"robot\"            # columns of several joints\n\
+             robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
+             actuator = \"{drive}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file"
+        );
     } else {
-        "bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
-         actuator = \"thor-linear\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n"
-    });
+        out.push_str("bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
+         actuator = \"thor-linear\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n",
+        );
+    }
     let mut said: Vec<String> = Vec::new();
     for (_, log, _) in logs.iter().filter(|(_, log, _)| !log.constants.is_empty()) {
         let numbers = log.constants.iter().map(|(name, value)| format!("{name} = {}", short(*value, 6)));
@@ -211,15 +216,47 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
         );
         return Ok(out);
     }
-    for (i, (file, ..)) in logs.iter().enumerate() {
-        // One run of several is kept back, to judge.
-        let role = if i > 0 && i + 1 == logs.len() { "holdout" } else { "fit" };
-        let _ = write!(out, "\n[[run]]\nfile = {}\nrole = \"{role}\"\n", quoted(&relative(folder, file)?));
-        if i == 0 && logs.len() == 1 {
-            out.push_str("# TODO: add a run with role = \"holdout\", which the fit does not see\n");
+    let mut runs: Vec<String> = Vec::new();
+    for (file, log, _) in logs {
+        let file = quoted(&relative(folder, file)?);
+        let episodes = episodes(log);
+        if episodes.len() > MOST_EPISODES {
+            let _ = write!(out, "\n# {file} has {} episodes; the first are below.\n", episodes.len());
+        }
+        match episodes.is_empty() {
+            true => runs.push(format!("file = {file}\n")),
+            false => runs.extend(
+                episodes.iter().take(MOST_EPISODES).map(|e| format!("file = {file}\nepisode = {e}\n")),
+            ),
         }
     }
+    // One run of several is kept back, to judge; of many, each fourth.
+    let kept_back = |i: usize| i > 0 && (i + 1 == runs.len() || i % 4 == 3);
+    for (i, run) in runs.iter().enumerate() {
+        let role = if kept_back(i) { "holdout" } else { "fit" };
+        let _ = write!(out, "\n[[run]]\n{run}role = \"{role}\"\n");
+    }
+    if runs.len() == 1 {
+        out.push_str("# TODO: add a run with role = \"holdout\", which the fit does not see\n");
+    }
     Ok(out)
+}
+
+/// Episodes of a file that become runs: more cost a search time and tell it little.
+const MOST_EPISODES: usize = 12;
+
+/// The episodes in a log, where its rows belong to several.
+fn episodes(log: &Log) -> Vec<i64> {
+    let column = log.tables.iter().find_map(|table| table.column("episode_index"));
+    let values = column.map(|c| c.values.iter().filter(|v| v.is_finite()).map(|v| *v as i64));
+    let all: BTreeSet<i64> = values.into_iter().flatten().collect();
+    if all.len() > 1 { all.into_iter().collect() } else { Vec::new() }
+}
+
+/// Whether joints are told goals.
+fn follows_goals(logs: &[(&Path, Log, Survey)]) -> bool {
+    let columns = logs.iter().flat_map(|(_, _, s)| &s.tables).flat_map(|t| &t.columns);
+    columns.filter_map(|c| c.role.as_ref()).any(|role| role.target.ends_with(".position_rad"))
 }
 
 /// Number of joints that columns are guessed to belong to.

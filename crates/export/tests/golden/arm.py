@@ -1,4 +1,4 @@
-"""arm with torque drives for Isaac Lab 3, written by sealegs
+"""arm with its drives for Isaac Lab 3, written by sealegs
 
 lost         sensors: they are the simulator's own
 held         command shoulder.torque_nm: effort of the joint shoulder

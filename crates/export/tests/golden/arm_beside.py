@@ -1,4 +1,4 @@
-"""arm with torque drives for MuJoCo 4: what arm.xml has no element for
+"""arm with its drives for MuJoCo 4: what arm.xml has no element for
 
 held         rotors: armature and damping of their joints
 held         command shoulder.torque_nm: actuator 'shoulder', in the column's unit

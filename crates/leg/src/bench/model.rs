@@ -28,11 +28,13 @@ const STEP_S: f64 = 5e-4;
 /// faster than the samples show, and the integrator is of second order.
 const WITHOUT_SPRINGS: f64 = 0.25;
 
-/// A search takes no longer steps than that, s, or than a sample: 12 rad/s go 0.05 rad in it.
+/// A search takes no longer steps than that, s, or than a sample: 12 rad/s go 0.05 rad in it, and it is a quarter of a radian
+/// of what the loop of a stiff hobby servo oscillates at, 60 rad/s.
 const LONGEST_SEARCH_STEP_S: f64 = 4e-3;
 
-/// The same where a joint has a position loop of its own: a stiff one of hobby servos turns at some 60 rad/s.
-const LONGEST_STEP_OF_LOOPS_S: f64 = 2e-3;
+/// Share of the model's own step that play is followed with at least: teeth of 2000 N m/rad before 0.002 kg m^2 turn by 0.1
+/// radian of their oscillation in it.
+const OF_PLAY: f64 = 0.2;
 
 /// What a commanded torque does not feel of a drive.
 const UNFELT_BY_EFFORT: [&str; 2] = ["force_constant", "winding_resistance"];
@@ -292,6 +294,16 @@ impl RobotModel {
         Ok(Machine::new(self.tree_at(values), drives))
     }
 
+    /// A wanted step, s, made short enough to follow what the transmissions do. One that yields evenly is taken implicitly:
+    /// what is faster than the model's own step shows leaves no trace in a joint's motion.
+    fn step_with(&self, wanted_s: f64, drives: &[Plant]) -> f64 {
+        let follow = |plant: &Plant| {
+            let least = if plant.laws.spring_is_linear() { self.step_s } else { OF_PLAY * self.step_s };
+            plant.step_following(wanted_s, least)
+        };
+        drives.iter().map(follow).fold(wanted_s, f64::min)
+    }
+
     /// Whether a joint follows a goal by its own loop in any of the records.
     fn has_loop(&self, records: &[&Record]) -> bool {
         let goal = |record: &&Record, joint: &Joint| {
@@ -426,12 +438,11 @@ impl Model for RobotModel {
         }
         let machine = self.machine(values, record)?;
         let period_s = record.mean_period_s();
-        let longest = if self.has_loop(&[record]) { LONGEST_STEP_OF_LOOPS_S } else { LONGEST_SEARCH_STEP_S };
-        let fewer = self
-            .steps_per_sample
-            .map_or(0.0, |n| (period_s / (n * WITHOUT_SPRINGS).max(1.0)).max(longest.min(2.0 * period_s)));
-        let followed = machine.drives.iter().map(Plant::longest_step_s).fold(f64::INFINITY, f64::min);
-        let grid = Grid::covering(&record.time_s, self.step_s.max(fewer).min(followed));
+        let fewer = self.steps_per_sample.map_or(0.0, |n| {
+            (period_s / (n * WITHOUT_SPRINGS).max(1.0)).max(LONGEST_SEARCH_STEP_S.min(2.0 * period_s))
+        });
+        let step_s = self.step_with(self.step_s.max(fewer), &machine.drives);
+        let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
         let stamped = (record, Stamps::of(record, value));

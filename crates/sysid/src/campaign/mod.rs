@@ -48,7 +48,7 @@ pub enum Bench {
     Pendulum,
     /// The output moves a load freely: a carriage, a rotor with an inertia.
     Free,
-    /// A robot on a fixed base or a rail with torque drives on its joints.
+    /// A robot on a fixed base or a rail with drives on its joints.
     Robot,
     /// A whole leg, by a scenario.
     Leg,
