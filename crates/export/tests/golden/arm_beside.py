@@ -136,9 +136,11 @@ class Robot:
         drive = self.drives[0]
         channels["shoulder.angle_rad"] = data.qpos[drive.position]
         channels["shoulder.speed_rad_s"] = data.qvel[drive.rate]
+        channels["shoulder.motor_angle_rad"] = drive.motion(data)[0] / 0.1
         drive = self.drives[1]
         channels["elbow.angle_rad"] = data.qpos[drive.position]
         channels["elbow.speed_rad_s"] = data.qvel[drive.rate]
+        channels["elbow.motor_angle_rad"] = drive.motion(data)[0] / 0.1
         return channels
 
     def sense(self, data):
