@@ -1,5 +1,8 @@
 //! A robot whose drives follow goals or take voltages, or whose transmissions yield: against benches and another integrator.
 
+mod double_pendulum;
+
+use double_pendulum::{TORQUE, TWO, farthest, values};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig, RunSetup};
 use sealegs_leg::bench::{RobotFile, RobotModel};
@@ -13,21 +16,6 @@ const ARM: &str = r#"<robot name="arm">
     <inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="hinge" type="continuous"><parent link="base"/><child link="link"/><axis xyz="0 -1 0"/></joint>
 </robot>"#;
-
-const TWO: &str = r#"<robot name="two">
-  <link name="base"/>
-  <link name="upper"><inertial><origin xyz="0 0 -0.275"/><mass value="0.608"/>
-    <inertia ixx="0.0087" iyy="0.0087" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="lower"><inertial><origin xyz="0 0 -0.166"/><mass value="0.63"/>
-    <inertia ixx="0.0078" iyy="0.0078" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 -1 0"/></joint>
-  <joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/>
-    <origin xyz="0 0 -0.3"/><axis xyz="0 -1 0"/></joint>
-</robot>"#;
-
-const TORQUE: &str = "id = \"drive\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 1.0\n\
-                      rotor_inertia_kg_m2 = 6e-5\nrotor_damping_nm_s = 1e-3\n[transmission]\ntype = \"gear\"\n\
-                      gear_ratio = 6.0\n";
 
 const SERVO: &str = "id = \"servo\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 0.5\n\
                      rotor_inertia_kg_m2 = 0.004\nrotor_damping_nm_s = 0.01\nwinding_resistance_ohm = 2.0\nsupply_v = 12.0\n\
@@ -57,21 +45,12 @@ fn record(inputs: &[(&str, &dyn Fn(f64) -> f64)], outputs: &[(&str, f64)]) -> Re
     }
 }
 
-fn values(model: &dyn Model) -> Vec<f64> {
-    model.parameters().iter().map(|p| p.value).collect()
-}
-
 /// The values of a model with those of its last parameters replaced.
 fn ending(model: &dyn Model, last: &[f64]) -> Vec<f64> {
     let mut all = values(model);
     let first = all.len() - last.len();
     all[first..].copy_from_slice(last);
     all
-}
-
-fn farthest(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// The arm on the pendulum bench, which integrates otherwise: the linear part exactly.

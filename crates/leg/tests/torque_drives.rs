@@ -1,28 +1,16 @@
 //! A robot with torque drives: its motion against another integrator, effects at joints, its file, and what is refused.
 
+mod double_pendulum;
+
+use double_pendulum::{TORQUE, TWO, farthest, values};
 use sealegs_leg::bench::{RobotFile, RobotModel};
 use sealegs_model::{Excitation, InputHold, Model, Record, Signal, SignalRange, internal};
 use std::path::Path;
 
-const URDF: &str = r#"<robot name="two">
-  <link name="base"/>
-  <link name="upper"><inertial><origin xyz="0 0 -0.275"/><mass value="0.608"/>
-    <inertia ixx="0.0087" iyy="0.0087" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="lower"><inertial><origin xyz="0 0 -0.166"/><mass value="0.63"/>
-    <inertia ixx="0.0078" iyy="0.0078" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 -1 0"/></joint>
-  <joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/>
-    <origin xyz="0 0 -0.3"/><axis xyz="0 -1 0"/></joint>
-</robot>"#;
-
-const DRIVE: &str = "id = \"drive\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 1.0\n\
-                     rotor_inertia_kg_m2 = 6e-5\nrotor_damping_nm_s = 1e-3\n[transmission]\ntype = \"gear\"\n\
-                     gear_ratio = 6.0\n";
-
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("two.urdf"), URDF).expect("written");
-    std::fs::write(folder.path().join("drive.toml"), DRIVE).expect("written");
+    std::fs::write(folder.path().join("two.urdf"), TWO).expect("written");
+    std::fs::write(folder.path().join("drive.toml"), TORQUE).expect("written");
     folder
 }
 
@@ -79,10 +67,6 @@ fn channels() -> Vec<String> {
     ["shoulder.angle_rad", "elbow.angle_rad", "elbow.speed_rad_s"].map(str::to_owned).to_vec()
 }
 
-fn values(model: &dyn Model) -> Vec<f64> {
-    model.parameters().iter().map(|p| p.value).collect()
-}
-
 /// The textbook's double pendulum in steps of 2 us, friction of the shoulder by projection on its own coordinate.
 fn reference(coulomb: [f64; 2], offset: f64) -> [Vec<f64>; 2] {
     const FINE: usize = 1000;
@@ -126,10 +110,6 @@ fn reference(coulomb: [f64; 2], offset: f64) -> [Vec<f64>; 2] {
         out[1].push(q[1]);
     }
     out
-}
-
-fn farthest(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 #[test]

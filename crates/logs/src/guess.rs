@@ -294,9 +294,13 @@ fn list_of(name: &str) -> Option<&str> {
     [lerobot::STATE, lerobot::ACTION].contains(&list).then_some(list)
 }
 
+/// Greatest magnitude in a column.
+fn reach(column: &ColumnSurvey) -> f64 {
+    column.range.map_or(0.0, |(low, high)| low.abs().max(high.abs()))
+}
+
 /// Whether the joints of a dataset are in degrees: all are, if any of them reaches what no joint has in radians.
 fn are_degrees(columns: &[ColumnSurvey]) -> bool {
-    let reach = |c: &ColumnSurvey| c.range.map_or(0.0, |(low, high)| low.abs().max(high.abs()));
     columns.iter().filter(|c| list_of(&c.name).is_some()).any(|c| reach(c) > DEGREES)
 }
 
@@ -352,7 +356,7 @@ fn by_words(index: usize, name: &str, column: &ColumnSurvey) -> Option<First> {
         reason.push_str(&format!("; '{word}': made by the controller"));
     }
     let mut settings = None;
-    let size = column.range.map_or(0.0, |(low, high)| low.abs().max(high.abs()));
+    let size = reach(column);
     if target.ends_with("_rad") && (find(&["deg", "degrees"]).is_some() || (size > DEGREES && size <= 400.0))
     {
         settings = Some("unit = \"deg\"".to_owned());

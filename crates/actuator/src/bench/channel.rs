@@ -61,17 +61,6 @@ pub(super) fn input_of<'a>(record: &'a Record, wanted: &[&str]) -> Result<&'a Si
     }
 }
 
-/// The times from which each command was in force: its own time stamp, or, for a logger that stamps a row
-/// at the end of the period in which its command was held (`lead`), the time stamp before; `skew_s` later.
-#[must_use]
-pub fn command_times(time_s: &[f64], lead: bool, skew_s: f64) -> Vec<f64> {
-    if !lead {
-        return time_s.iter().map(|t| t + skew_s).collect();
-    }
-    let first = time_s[0] - (time_s[1] - time_s[0]);
-    std::iter::once(&first).chain(&time_s[..time_s.len() - 1]).map(|t| t + skew_s).collect()
-}
-
 /// What the sensors show at the time stamps.
 pub(super) fn sense(
     plant: &Plant,

@@ -1,25 +1,24 @@
 //! What a record tells a drive, and feeds it with, over the steps of a grid.
 
-use super::{ENABLE, SUPPLY, TEMPERATURE, command_times};
+use super::{ENABLE, SUPPLY, TEMPERATURE};
 use crate::plant::{Feed, Grid, Plant, mean_per_step};
 use sealegs_model::{InputHold, Record};
 use std::borrow::Cow;
 
-/// When a logger's commands were in force.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stamps {
-    /// Whether a row is stamped at the end of the period in which its command was held.
-    pub lead: bool,
-    /// By how much the commands' clock is late, s.
-    pub skew_s: f64,
-}
-
-impl Stamps {
-    /// Those of a record, for values of a model's base parameters by their names.
-    pub fn of(record: &Record, value: impl Fn(&str) -> f64) -> Self {
-        Self {
-            lead: record.hold == InputHold::ZeroOrder && value("command_lead") > 0.5,
-            skew_s: value("clock_skew") * record.mean_period_s(),
+/// The times from which each command of a record was in force, for values of a model's base parameters by their names: its own
+/// time stamp, or, for a logger that stamps a row at the end of the period in which its command was held (`command_lead`), the
+/// time stamp before; `clock_skew` periods later.
+#[must_use]
+pub fn command_times(record: &Record, value: impl Fn(&str) -> f64) -> Cow<'_, [f64]> {
+    let time_s = &record.time_s;
+    let lead = record.hold == InputHold::ZeroOrder && value("command_lead") > 0.5;
+    let skew_s = value("clock_skew") * record.mean_period_s();
+    match lead {
+        false if skew_s == 0.0 => Cow::Borrowed(time_s),
+        false => time_s.iter().map(|t| t + skew_s).collect(),
+        true => {
+            let first = time_s[0] - (time_s[1] - time_s[0]);
+            std::iter::once(&first).chain(&time_s[..time_s.len() - 1]).map(|t| t + skew_s).collect()
         }
     }
 }
@@ -34,33 +33,30 @@ pub struct Fed {
 }
 
 impl Fed {
-    /// What a record feeds a drive with: its `command` and what `beside` finds by the names of a bench's columns
-    /// ([`sealegs_model::columns::BESIDE`]).
+    /// What a record feeds a drive with: its `command`, in force from the times `told` ([`command_times`]), and what `beside`
+    /// finds by the names of a bench's columns ([`sealegs_model::columns::BESIDE`]).
     pub fn of<'a>(
         plant: &Plant,
-        (record, stamps): (&'a Record, Stamps),
-        command: &[f64],
+        record: &'a Record,
+        (told, command): (&[f64], &[f64]),
         beside: impl Fn(&str) -> Option<&'a [f64]>,
         grid: &Grid,
     ) -> Self {
-        let own = &record.time_s;
-        let time_s: Cow<'_, [f64]> = if stamps.lead || stamps.skew_s != 0.0 {
-            Cow::Owned(command_times(own, stamps.lead, stamps.skew_s))
-        } else {
-            Cow::Borrowed(own)
-        };
         let stages = &plant.laws.command_stages;
         let held = |time_s: &[f64], values| mean_per_step(time_s, values, InputHold::ZeroOrder, &[], grid);
         let driven = |name: &str| beside(name).filter(|_| plant.winding.is_some());
         // The signal that switches the drive on comes as late as the command, the supply is measured.
-        let (mut late, mut unused) = (time_s.to_vec(), command.to_vec());
-        stages.iter().for_each(|stage| stage.apply(&mut late, &mut unused));
+        let switched = |on| {
+            let (mut late, mut unused) = (told.to_vec(), command.to_vec());
+            stages.iter().for_each(|stage| stage.apply(&mut late, &mut unused));
+            held(&late, on)
+        };
         let felt = plant.laws.rotor_friction.iter().any(|law| law.feels_temperature());
         Self {
-            commands: mean_per_step(&time_s, command, record.hold, stages, grid),
-            enable: driven(ENABLE).map(|on| held(&late, on)),
-            supply_v: driven(SUPPLY).map(|volts| held(own, volts)),
-            temperature_c: beside(TEMPERATURE).filter(|_| felt).map(|t| held(own, t)),
+            commands: mean_per_step(told, command, record.hold, stages, grid),
+            enable: driven(ENABLE).map(switched),
+            supply_v: driven(SUPPLY).map(|volts| held(&record.time_s, volts)),
+            temperature_c: beside(TEMPERATURE).filter(|_| felt).map(|t| held(&record.time_s, t)),
         }
     }
 

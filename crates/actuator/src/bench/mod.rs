@@ -23,8 +23,8 @@ mod run;
 mod sensor;
 mod signature;
 
-pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE, command_times};
-pub use fed::{Fed, Stamps};
+pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE};
+pub use fed::{Fed, command_times};
 pub use kind::Bench;
 pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
@@ -346,8 +346,8 @@ impl BenchModel {
         let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
-        let stamped = (record, Stamps::of(record, value));
-        let fed = Fed::of(&plant, stamped, &input.values, |name| record.input(name), &grid);
+        let told = command_times(record, value);
+        let fed = Fed::of(&plant, record, (&told, &input.values), |name| record.input(name), &grid);
         let feed = fed.feed();
         let trace = match self.observed.as_ref().and_then(|o| o.observer(record, &plant, &grid, self)) {
             Some(observer) => plant.observe(grid, feed, &observer)?,

@@ -253,17 +253,20 @@ fn episodes(log: &Log) -> Vec<i64> {
     if all.len() > 1 { all.into_iter().collect() } else { Vec::new() }
 }
 
+/// What columns are guessed to be.
+fn targets<'a>(logs: &'a [(&Path, Log, Survey)]) -> impl Iterator<Item = &'a str> {
+    let columns = logs.iter().flat_map(|(_, _, s)| &s.tables).flat_map(|t| &t.columns);
+    columns.filter_map(|c| Some(c.role.as_ref()?.target.as_str()))
+}
+
 /// Whether joints are told goals.
 fn follows_goals(logs: &[(&Path, Log, Survey)]) -> bool {
-    let columns = logs.iter().flat_map(|(_, _, s)| &s.tables).flat_map(|t| &t.columns);
-    columns.filter_map(|c| c.role.as_ref()).any(|role| role.target.ends_with(".position_rad"))
+    targets(logs).any(|target| target.ends_with(".position_rad"))
 }
 
 /// Number of joints that columns are guessed to belong to.
 fn joints(logs: &[(&Path, Log, Survey)]) -> usize {
-    let columns = logs.iter().flat_map(|(_, _, s)| &s.tables).flat_map(|t| &t.columns);
-    let roles = columns.filter_map(|c| Some(c.role.as_ref()?.target.rsplit_once('.')?.0));
-    roles.collect::<BTreeSet<&str>>().len()
+    targets(logs).filter_map(|target| Some(target.rsplit_once('.')?.0)).collect::<BTreeSet<&str>>().len()
 }
 
 /// Whether files are parts of one run: one table each, equal time stamps, and no other column twice.

@@ -30,24 +30,15 @@ impl Column {
 impl Joint {
     /// The columns that may command it, the drive's own first, and what each is called on a bench of the drive alone.
     pub fn commands(&self) -> Vec<(String, &'static str)> {
-        let known = |input: &'static str| {
-            let what = match (input, self.slides) {
-                ("joint_torque_nm", false) => "torque_nm",
-                ("motor_force_n", true) => "force_n",
-                ("current_a" | "voltage_v" | "position_rad", _) => input,
-                _ => return None,
-            };
-            Some((format!("{}.{what}", self.name), input))
-        };
-        let mut all: Vec<_> = self.model.inputs().iter().filter_map(|input| known(input)).collect();
-        // A drive without a winding or a loop is told an effort, unless the record says otherwise.
-        all.sort_by_key(|(_, input)| match *input {
-            "position_rad" => 0,
-            "voltage_v" => 1,
-            "current_a" => 3,
-            _ => 2,
-        });
-        all
+        let effort = if self.slides { "force_n" } else { "torque_nm" };
+        let all = [
+            ("position_rad", "position_rad"),
+            ("voltage_v", "voltage_v"),
+            (effort, self.effort()),
+            ("current_a", "current_a"),
+        ];
+        let taken = all.into_iter().filter(|(_, input)| self.model.inputs().contains(input));
+        taken.map(|(what, input)| (format!("{}.{what}", self.name), input)).collect()
     }
 
     /// The column that commands it where no record says which.
@@ -104,14 +95,8 @@ impl Joint {
 
     /// What a column is called.
     pub fn channel(&self, column: Column) -> String {
-        let what = match (column, self.slides) {
-            (Column::Position, false) => "angle_rad",
-            (Column::Position, true) => "position_m",
-            (Column::Speed, false) => "speed_rad_s",
-            (Column::Speed, true) => "speed_m_s",
-            (Column::Motor, _) => "motor_angle_rad",
-        };
-        format!("{}.{what}", self.name)
+        let at_drive = self.at_drive(column);
+        format!("{}.{}", self.name, at_drive.strip_prefix("joint_").unwrap_or(at_drive))
     }
 
     /// What a column is called on a bench of the drive alone.

@@ -10,7 +10,7 @@ use super::tree::Tree;
 use crate::LegError;
 use crate::error::nearest;
 use crate::robot::{JointKind, Robot};
-use sealegs_actuator::bench::{Bench, BenchModel, Fed, Stamps, start_of};
+use sealegs_actuator::bench::{Bench, BenchModel, Fed, command_times, start_of};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::plant::{Feed, Grid, Plant, sample};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
@@ -445,12 +445,13 @@ impl Model for RobotModel {
         let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
-        let stamped = (record, Stamps::of(record, value));
+        let told = command_times(record, value);
         let fed = self.joints.iter().zip(&machine.drives).map(|(joint, plant)| {
-            let command = joint.command_in(record)?.map_or(&[][..], |(_, values)| values);
-            Ok(match command.is_empty() {
-                true => Fed::default(),
-                false => Fed::of(plant, stamped, command, |column| joint.beside(record, column), &grid),
+            Ok(match joint.command_in(record)? {
+                Some((_, command)) => {
+                    Fed::of(plant, record, (&told, command), |column| joint.beside(record, column), &grid)
+                }
+                None => Fed::default(),
             })
         });
         let fed = fed.collect::<Result<Vec<Fed>, ModelError>>()?;

@@ -100,6 +100,7 @@ impl Machine {
         let (mut load, mut motor, mut pulled) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut passed = vec![Passed::default(); n];
         let (mut mid_q, mut mid_v) = (vec![0.0; count], vec![0.0; count]);
+        let (mut held, mut travelled, mut warmer_k) = (vec![false; count], vec![0.0; count], vec![0.0; n]);
         for step in 0..=course.grid.steps {
             for (i, trace) in traces.iter_mut().enumerate() {
                 trace.position.push(q[i]);
@@ -130,6 +131,7 @@ impl Machine {
             let mut force = DVector::zeros(count);
             for (i, plant) in self.drives.iter().enumerate() {
                 let (c, feed, trace) = (self.rotor[i], &course.feeds[i], &traces[i]);
+                warmer_k[i] = feed.warmer_k(step);
                 matrix[(c, c)] += plant.reflected_inertia + 0.5 * h * plant.damping;
                 let mut command = feed.command(step);
                 if let Some(servo) = &plant.servo {
@@ -171,7 +173,6 @@ impl Machine {
                 });
             };
             let free = &inverse * force;
-            let warmer_k: Vec<f64> = course.feeds.iter().map(|feed| feed.warmer_k(step)).collect();
             let at = Rub {
                 q: &mid_q,
                 v: &v,
@@ -182,11 +183,9 @@ impl Machine {
                 h,
             };
             let friction = self.rub(&at, &equations, &mut load, &mut rubbed);
-            let mut held = vec![false; count];
             for (i, rub) in friction.iter().enumerate() {
                 held[self.rotor[i]] = *rub != 0.0;
             }
-            let mut travelled = vec![0.0; count];
             for i in 0..count {
                 let gained: f64 = (0..n).map(|j| inverse[(i, self.rotor[j])] * friction[j]).sum();
                 let size = v[i].abs() + h * (free[i].abs() + gained.abs());

@@ -221,12 +221,12 @@ pub(super) fn check_columns(path: &Path, at: Place, words: &[&str], said: Said) 
 
 /// Whether a robot's column commands a joint.
 fn is_joint_command(name: &str) -> bool {
-    name.split_once('.').is_some_and(|(_, what)| JOINT_COMMANDS.contains(&what))
+    name.rsplit_once('.').is_some_and(|(_, what)| JOINT_COMMANDS.contains(&what))
 }
 
 /// Whether a drive, at a joint or alone, reads the column beside its command.
 fn is_beside(name: &str) -> bool {
-    SIDE_COLUMNS.contains(&name.split_once('.').map_or(name, |(_, what)| what))
+    SIDE_COLUMNS.contains(&name.rsplit_once('.').map_or(name, |(_, what)| what))
 }
 
 /// There must be enough rows.
@@ -260,4 +260,17 @@ pub(super) fn sort(columns: impl Iterator<Item = (String, Vec<f64>)>, said: Said
     }
     table.inputs.sort_by_key(|s| is_beside(&s.channel));
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_may_have_dots_in_its_name() {
+        assert!(is_joint_command("left.elbow.torque_nm") && is_beside("left.elbow.enable"));
+        assert!(
+            is_beside("supply_v") && !is_joint_command("torque_nm") && !is_joint_command("elbow.angle_rad")
+        );
+    }
 }
