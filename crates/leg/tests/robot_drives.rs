@@ -264,6 +264,9 @@ fn a_soft_joint_without_damping_gains_no_energy() {
 fn what_commands_a_joint_is_said() {
     let folder = folder();
     let arm = robot(folder.path(), ARM, SERVO);
+    let told = |columns: &[&str]| {
+        record(&columns.iter().map(|c| (*c, &goal as &dyn Fn(f64) -> f64)).collect::<Vec<_>>(), &[])
+    };
     for column in [
         "hinge.position_rad",
         "hinge.voltage_v",
@@ -272,16 +275,18 @@ fn what_commands_a_joint_is_said() {
         "hinge.enable",
         "supply_v",
     ] {
-        assert_eq!(arm.refuses_input(column), None, "{column}");
+        assert_eq!(arm.refuses_input(&told(&[column, "hinge.enable"]), column), None, "{column}");
     }
-    assert!(arm.refuses_input("hinge.force_n").is_some());
+    assert!(arm.refuses_input(&told(&[]), "hinge.force_n").is_some());
     // A plain drive has neither winding nor loop.
     let plain = robot(folder.path(), ARM, TORQUE);
-    assert!(plain.refuses_input("hinge.position_rad").expect("no loop").contains("hinge.torque_nm"));
+    assert!(plain.refuses_input(&told(&[]), "hinge.position_rad").expect("no loop").contains("hinge.torque_nm"));
     let both = record(&[("hinge.position_rad", &goal), ("hinge.torque_nm", &goal)], &[]);
     let arm = robot(folder.path(), ARM, SERVO);
     let error = arm.predict(&values(&arm), &both, &["hinge.angle_rad".to_owned()]).expect_err("two commands");
     assert!(error.to_string().contains("hinge.torque_nm"), "{error}");
+    let twice = arm.refuses_input(&both, "hinge.position_rad").expect("two commands");
+    assert!(twice.contains("'hinge.torque_nm'"), "{twice}");
     // Only what a torque does not feel is kept from a fit.
     let fixed = |record: &Record| {
         let arm = robot(folder.path(), ARM, SERVO).for_records(&[record]);

@@ -299,9 +299,10 @@ fn what_cannot_be_is_refused_with_a_hint() {
     let missing = refused(RobotFile { robot: "three.urdf".to_owned(), ..good });
     assert!(missing.contains("three.urdf"), "{missing}");
     let model = model(folder.path());
-    let hint = model.refuses_input("elbw.torque_nm").expect("no such joint");
+    let told = record();
+    let hint = model.refuses_input(&told, "elbw.torque_nm").expect("no such joint");
     assert!(hint.contains("did you mean 'elbow.torque_nm'?"), "{hint}");
-    assert_eq!(model.refuses_input("elbow.torque_nm"), None);
+    assert_eq!(model.refuses_input(&told, "elbow.torque_nm"), None);
     // Both joints turn, and no sensor's unit says so.
     assert_eq!(model.rotary_places(), ["shoulder", "elbow"]);
 }

@@ -107,6 +107,12 @@ pub trait Model: fmt::Debug + Send + Sync {
         Vec::new()
     }
 
+    /// Whether a simulation takes so long, as a whole leg's does, or so many are needed for all parameters and places, that a
+    /// search looks only at what promises most and takes derivatives no more often than it must.
+    fn is_dear(&self) -> bool {
+        false
+    }
+
     /// A copy that may be quicker and less exact: it integrates with no more than about so many steps per
     /// sampling period. A search looks around with it; what it finds is fitted again and judged with the model
     /// itself. A model that has nothing to save returns an exact copy.

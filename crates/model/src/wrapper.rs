@@ -38,6 +38,10 @@ macro_rules! passes_on_to_inner {
             self.inner.experiments()
         }
 
+        fn is_dear(&self) -> bool {
+            self.inner.is_dear()
+        }
+
         fn coarser(&self, steps_per_sample: f64) -> Box<dyn $crate::Model> {
             self.around(self.inner.coarser(steps_per_sample))
         }

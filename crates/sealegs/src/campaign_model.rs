@@ -5,7 +5,7 @@ use crate::diagnosis::provenance::{Input, Provenance};
 use crate::{Error, ModelSource, Result, bench_model, leg_model, robot_model};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::SensorSpec;
-use sealegs_model::Model;
+use sealegs_model::{Model, Record};
 use sealegs_sysid::diagnose::{Experiment, Limits};
 use sealegs_sysid::{Campaign, campaign};
 use std::collections::BTreeMap;
@@ -96,10 +96,10 @@ pub fn of_source(
 /// # Errors
 ///
 /// [`Error::RefusedInput`] for the first of them.
-pub(crate) fn check_inputs(campaign: &Campaign, reason: impl Fn(&str, &str) -> Option<String>) -> Result<()> {
+pub(crate) fn check_inputs(campaign: &Campaign, reason: impl Fn(&Record, &str) -> Option<String>) -> Result<()> {
     for run in &campaign.runs {
         for input in &run.record.inputs {
-            if let Some(reason) = reason(&run.record.name, &input.channel) {
+            if let Some(reason) = reason(&run.record, &input.channel) {
                 let (file, channel) = (run.path.clone(), input.channel.clone());
                 return Err(Error::RefusedInput { file, channel, reason });
             }

@@ -73,7 +73,7 @@ pub fn of_source(
         }
     }
     let model = LegModel::new(scenario, &nominal, runs, own)?;
-    check_inputs(campaign, |record, channel| model.refuses_input(record, channel))?;
+    check_inputs(campaign, |record, channel| model.refuses_input(&record.name, channel))?;
     for (channel, sensor) in model.sensors() {
         campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
     }

@@ -92,7 +92,7 @@ pub fn of_source(
     };
     let model =
         RobotModel::new(file, own).map_err(|e| Error::RobotFile { file: named, source: Box::new(e) })?;
-    check_inputs(campaign, |_, channel| model.refuses_input(channel))?;
+    check_inputs(campaign, |record, channel| model.refuses_input(record, channel))?;
     for (channel, sensor) in model.sensors() {
         campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
     }

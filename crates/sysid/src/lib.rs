@@ -19,9 +19,6 @@
 pub mod campaign;
 pub mod check;
 pub mod data;
-// A public field's comment names a private function. The recovery matrix hashes the search's files, comments too: the next change
-// of the search mends it.
-#[allow(rustdoc::private_intra_doc_links)]
 pub mod diagnose;
 mod error;
 pub mod fit;

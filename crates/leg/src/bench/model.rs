@@ -32,6 +32,10 @@ const WITHOUT_SPRINGS: f64 = 0.25;
 /// of what the loop of a stiff hobby servo oscillates at, 60 rad/s.
 const LONGEST_SEARCH_STEP_S: f64 = 4e-3;
 
+/// Free parameters beyond which a search does not look at everything: three joints with loops of their own have some 22, and
+/// with each joint come as many effects again.
+const MANY_PARAMETERS: usize = 30;
+
 /// Share of the model's own step that play is followed with at least: teeth of 2000 N m/rad before 0.002 kg m^2 turn by 0.1
 /// radian of their oscillation in it.
 const OF_PLAY: f64 = 0.2;
@@ -196,11 +200,16 @@ impl RobotModel {
         all
     }
 
-    /// What keeps a column from commanding this robot, if anything does.
+    /// What keeps a record's column from commanding this robot, if anything does.
     #[must_use]
-    pub fn refuses_input(&self, channel: &str) -> Option<String> {
-        if self.joints.iter().any(|j| j.reads(channel)) {
-            return None;
+    pub fn refuses_input(&self, record: &Record, channel: &str) -> Option<String> {
+        if let Some(joint) = self.joints.iter().find(|j| j.reads(channel)) {
+            let others = joint.commands().into_iter().map(|(name, _)| name);
+            let commands = others.clone().any(|name| name == channel);
+            let mut twice = others.filter(|name| commands && name != channel && record.input(name).is_some());
+            return twice.next().map(|other| {
+                format!("commands joint '{}' as '{other}' does: a joint takes one command, the other column is to go", joint.name)
+            });
         }
         let commands = |joint: &Joint| joint.commands().into_iter().map(|(name, _)| name).collect::<Vec<_>>();
         let of =
@@ -473,6 +482,10 @@ impl Model for RobotModel {
             }
         }
         Ok(prediction)
+    }
+
+    fn is_dear(&self) -> bool {
+        self.parameters.iter().filter(|p| !p.fixed).count() > MANY_PARAMETERS
     }
 
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {

@@ -1,8 +1,6 @@
 //! Dry friction of all joints' rotors over a step, each found with the others acting.
 
-use super::simulate::{Machine, Passed};
-use super::tree::Equations;
-use nalgebra::{DMatrix, DVector};
+use super::simulate::{Machine, State};
 use sealegs_actuator::plant::{Laws, MOST_PRESLIDING, Sliding, Slip};
 
 /// Sweeps over the joints' frictions; two joints need about ten.
@@ -32,89 +30,67 @@ impl Rubbed {
     }
 }
 
-/// What the frictions of a step see.
-pub(super) struct Rub<'a> {
-    /// Mean positions over the step.
-    pub q: &'a [f64],
-    /// Speeds at its start.
-    pub v: &'a [f64],
-    /// Accelerations without friction.
-    pub free: &'a DVector<f64>,
-    pub inverse: &'a DMatrix<f64>,
-    /// Through the transmissions that yield, joint by joint.
-    pub passed: &'a [Passed],
-    pub warmer_k: &'a [f64],
-    pub h: f64,
-}
-
 impl Machine {
-    /// The frictions of all joints' rotors over a step, N m. `load` is left as what passes to the links.
-    pub(super) fn rub(
-        &self,
-        at: &Rub,
-        equations: &Equations,
-        load: &mut [f64],
-        rubbed: &mut [Rubbed],
-    ) -> Vec<f64> {
-        let n = self.drives.len();
-        let mut friction = vec![0.0; n];
-        self.transmitted(at, equations, &friction, load);
+    /// Finds the frictions of all joints' rotors over a step, and leaves as `load` what then passes to the links.
+    pub(super) fn rub(&self, now: &mut State, h: f64) {
+        now.friction.fill(0.0);
+        self.transmit(now);
         for _ in 0..MOST_SWEEPS {
             let mut change = 0.0_f64;
             for (i, plant) in self.drives.iter().enumerate() {
-                let laws = &plant.laws;
-                if laws.rotor_friction.is_empty() && laws.rotor_presliding.is_empty() {
+                if plant.laws.rotor_friction.is_empty() && plant.laws.rotor_presliding.is_empty() {
                     continue;
                 }
-                let c = self.rotor[i];
-                let mobility = at.h * at.inverse[(c, c)];
-                let beside = (0..n).filter(|j| *j != i);
-                let others: f64 = beside.map(|j| at.inverse[(c, self.rotor[j])] * friction[j]).sum();
-                let after_free = at.v[c] + at.h * (at.free[c] + others);
-                let of = &mut rubbed[i];
-                for (k, element) in laws.rotor_presliding.iter().enumerate() {
-                    let beside = of.dry + of.elastic() - of.elastic[k];
-                    let travel = 0.5 * at.h * (at.v[c] + after_free + mobility * beside);
-                    of.elastic[k] = -element.mean_force(of.presliding[k], travel, 0.5 * at.h * mobility);
-                }
-                if !laws.rotor_friction.is_empty() {
-                    let sliding = Sliding {
-                        before: at.v[c],
-                        after_free: after_free + mobility * of.elastic(),
-                        mobility,
-                    };
-                    let (position, load, heat, warmer_k) = (at.q[c], load[i], of.heat, at.warmer_k[i]);
-                    of.dry = sliding.mean_force(|speed, direction| {
-                        laws.rotor_friction_bound(&Slip { position, speed, direction, load, heat, warmer_k })
-                    });
-                }
-                let now = of.dry + of.elastic();
-                change = change.max((now - friction[i]).abs() / (now.abs() + friction[i].abs()).max(1e-12));
-                friction[i] = now;
+                let before = now.friction[i];
+                let after = self.rubbing(now, i, h);
+                change = change.max((after - before).abs() / (after.abs() + before.abs()).max(1e-12));
+                now.friction[i] = after;
             }
-            self.transmitted(at, equations, &friction, load);
+            if change > 0.0 {
+                self.transmit(now);
+            }
             if change < 1e-12 {
                 break;
             }
         }
-        friction
     }
 
-    /// What passes from each drive to the links under such frictions, N m.
-    fn transmitted(&self, at: &Rub, equations: &Equations, friction: &[f64], load: &mut [f64]) {
-        let n = self.drives.len();
-        let gained: Vec<f64> = (0..at.free.len())
-            .map(|i| {
-                let rubbed: f64 = (0..n).map(|k| at.inverse[(i, self.rotor[k])] * friction[k]).sum();
-                at.free[i] + rubbed
-            })
-            .collect();
-        for i in 0..n {
-            let c = self.rotor[i];
-            load[i] = if c == i {
-                equations.bias[i] + (0..n).map(|j| equations.mass[(i, j)] * gained[j]).sum::<f64>()
+    /// The friction of a joint's rotor over a step, N m, with those of the others as they are.
+    fn rubbing(&self, now: &mut State, i: usize, h: f64) -> f64 {
+        let (c, laws) = (self.rotor[i], &self.drives[i].laws);
+        let (mobility, v) = (h * now.matrix[(c, c)], now.v[c]);
+        let beside = self.rotor.iter().zip(&now.friction).filter(|(other, _)| **other != c);
+        let others: f64 = beside.map(|(other, friction)| now.matrix[(c, *other)] * friction).sum();
+        let after_free = v + h * (now.free[c] + others);
+        let (position, load, warmer_k) = (now.mid_q[c], now.load[i], now.warmer_k[i]);
+        let of = &mut now.rubbed[i];
+        for (k, element) in laws.rotor_presliding.iter().enumerate() {
+            let beside = of.dry + of.elastic() - of.elastic[k];
+            let travel = 0.5 * h * (v + after_free + mobility * beside);
+            of.elastic[k] = -element.mean_force(of.presliding[k], travel, 0.5 * h * mobility);
+        }
+        if !laws.rotor_friction.is_empty() {
+            let sliding = Sliding { before: v, after_free: after_free + mobility * of.elastic(), mobility };
+            let heat = of.heat;
+            of.dry = sliding.mean_force(|speed, direction| {
+                laws.rotor_friction_bound(&Slip { position, speed, direction, load, heat, warmer_k })
+            });
+        }
+        of.dry + of.elastic()
+    }
+
+    /// Writes the accelerations under the frictions as they are, rad/s^2, and what passes from each drive to the links, N m.
+    fn transmit(&self, now: &mut State) {
+        for i in 0..now.q.len() {
+            let pushed = self.rotor.iter().zip(&now.friction).map(|(c, friction)| now.matrix[(i, *c)] * friction);
+            now.accelerated[i] = now.free[i] + pushed.sum::<f64>();
+        }
+        let (by, mass) = (&now.accelerated, &now.equations.mass);
+        for (i, c) in self.rotor.iter().enumerate() {
+            now.load[i] = if *c == i {
+                now.equations.bias[i] + (0..self.drives.len()).map(|j| mass[(i, j)] * by[j]).sum::<f64>()
             } else {
-                at.passed[i].explicit + at.passed[i].implicit * (gained[c] - gained[i])
+                now.passed[i].explicit + now.passed[i].implicit * (by[*c] - by[i])
             };
         }
     }

@@ -8,7 +8,7 @@
 //! their joints.
 
 use super::observed::Pulls;
-use super::rub::{Rub, Rubbed};
+use super::rub::Rubbed;
 use super::tree::{Equations, Tree};
 use nalgebra::{DMatrix, DVector};
 use sealegs_actuator::plant::{Feed, Grid, Loop, Past, Plant, SpringStep};
@@ -39,6 +39,26 @@ pub(super) struct JointTrace {
 }
 
 impl JointTrace {
+    /// An empty trace with room for so many points, of a rotor beside the joint where it is `parted`.
+    fn with_room(points: usize, parted: bool) -> Self {
+        let room = || Vec::with_capacity(points);
+        let rotor = if parted { (room(), room()) } else { Default::default() };
+        Self { position: room(), speed: room(), rotor, motor: room(), load: room(), pulled: room() }
+    }
+
+    /// Adds the present point of joint `i`, whose rotor has coordinate `c`.
+    fn push(&mut self, now: &State, i: usize, c: usize) {
+        self.position.push(now.q[i]);
+        self.speed.push(now.v[i]);
+        self.motor.push(now.motor[i]);
+        self.load.push(now.load[i]);
+        self.pulled.push(now.pulled[i]);
+        if c != i {
+            self.rotor.0.push(now.q[c]);
+            self.rotor.1.push(now.v[c]);
+        }
+    }
+
     /// Position of the rotor, referred to the joint, rad.
     pub fn rotor_position(&self) -> &[f64] {
         if self.rotor.0.is_empty() { &self.position } else { &self.rotor.0 }
@@ -73,6 +93,80 @@ pub(super) struct Passed {
 /// small against what makes a limit turn, large against rounding.
 const SLOPE_SPAN: f64 = 1e-4;
 
+/// A robot in motion: what a step begins with, and room for what it computes, by coordinate or by joint.
+pub(super) struct State {
+    /// Positions, speeds and accelerations of all coordinates.
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    a: Vec<f64>,
+    /// Positions and speeds in the middle of the step.
+    pub mid_q: Vec<f64>,
+    mid_v: Vec<f64>,
+    travelled: Vec<f64>,
+    /// Whether friction acts on a coordinate.
+    held: Vec<bool>,
+    /// Mass matrix and bias forces of the joints.
+    pub equations: Equations,
+    /// The matrix of the accelerations with all that is implicit; its inverse once the forces are known.
+    pub matrix: DMatrix<f64>,
+    force: DVector<f64>,
+    /// Accelerations without dry friction, and with it.
+    pub free: DVector<f64>,
+    pub accelerated: Vec<f64>,
+    /// Torques of motors, through transmissions and of the observer's pull, joint by joint, N m.
+    motor: Vec<f64>,
+    pub load: Vec<f64>,
+    pulled: Vec<f64>,
+    /// Through the transmissions that yield.
+    pub passed: Vec<Passed>,
+    pub warmer_k: Vec<f64>,
+    loops: Vec<Loop>,
+    /// Dry friction on the rotors, N m, and what it remembers.
+    pub friction: Vec<f64>,
+    pub rubbed: Vec<Rubbed>,
+}
+
+impl State {
+    /// A robot where a run begins: rotors that do not move with their joints hold them.
+    fn of(machine: &Machine, joints: &[(f64, f64)]) -> Self {
+        let n = machine.drives.len();
+        let mut equations = machine.tree.equations();
+        let mut q: Vec<f64> = joints.iter().map(|s| s.0).collect();
+        let mut v: Vec<f64> = joints.iter().map(|s| s.1).collect();
+        let parted: Vec<usize> = (0..n).filter(|&i| machine.rotor[i] != i).collect();
+        if !parted.is_empty() {
+            machine.tree.at(&q, &vec![0.0; n], &mut equations);
+        }
+        for i in parted {
+            q.push(q[i] + machine.drives[i].ahead_under(equations.bias[i]));
+            v.push(v[i]);
+        }
+        let count = q.len();
+        Self {
+            a: vec![0.0; count],
+            mid_q: q.clone(),
+            mid_v: v.clone(),
+            travelled: vec![0.0; count],
+            held: vec![false; count],
+            equations,
+            matrix: DMatrix::zeros(count, count),
+            force: DVector::zeros(count),
+            free: DVector::zeros(count),
+            accelerated: vec![0.0; count],
+            motor: vec![0.0; n],
+            load: vec![0.0; n],
+            pulled: vec![0.0; n],
+            passed: vec![Passed::default(); n],
+            warmer_k: vec![0.0; n],
+            loops: vec![Loop::default(); n],
+            friction: vec![0.0; n],
+            rubbed: vec![Rubbed::default(); n],
+            q,
+            v,
+        }
+    }
+}
+
 impl Machine {
     /// A robot with drives on its joints.
     pub fn new(tree: Tree, drives: Vec<Plant>) -> Self {
@@ -89,136 +183,116 @@ impl Machine {
     /// [`ModelError::NotFinite`] when a joint runs away, [`ModelError::BadParameter`] for a mass matrix that has no
     /// inverse.
     pub fn run(&self, course: &Course, names: &[String]) -> Result<Vec<JointTrace>, ModelError> {
-        let (n, h) = (self.drives.len(), course.grid.step_s);
-        let count = n + self.drives.iter().filter(|d| d.is_parted()).count();
-        let mut equations = self.tree.equations();
-        let (mut q, mut v) = self.start(course.start, count, &mut equations);
-        let mut a = vec![0.0; count];
-        let mut rubbed = vec![Rubbed::default(); n];
-        let mut loops = vec![Loop::default(); n];
-        let mut traces = vec![JointTrace::default(); n];
-        let (mut load, mut motor, mut pulled) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        let mut passed = vec![Passed::default(); n];
-        let (mut mid_q, mut mid_v) = (vec![0.0; count], vec![0.0; count]);
-        let (mut held, mut travelled, mut warmer_k) = (vec![false; count], vec![0.0; count], vec![0.0; n]);
+        let mut now = State::of(self, course.start);
+        let mut traces: Vec<JointTrace> =
+            self.rotor.iter().enumerate().map(|(i, c)| JointTrace::with_room(course.grid.steps + 1, *c != i)).collect();
         for step in 0..=course.grid.steps {
             for (i, trace) in traces.iter_mut().enumerate() {
-                trace.position.push(q[i]);
-                trace.speed.push(v[i]);
-                trace.motor.push(motor[i]);
-                trace.load.push(load[i]);
-                trace.pulled.push(pulled[i]);
-                if self.rotor[i] != i {
-                    trace.rotor.0.push(q[self.rotor[i]]);
-                    trace.rotor.1.push(v[self.rotor[i]]);
-                }
+                trace.push(&now, i, self.rotor[i]);
             }
             if step == course.grid.steps {
                 break;
             }
-            if let Some(i) = (0..n).find(|&i| !(q[i].is_finite() && v[i].is_finite())) {
+            if let Some(i) = (0..names.len()).find(|&i| !(now.q[i].is_finite() && now.v[i].is_finite())) {
                 let what = format!("the position of joint {}", names[i]);
                 return Err(ModelError::NotFinite { time_s: course.grid.time(step), what });
             }
-            for i in 0..count {
-                mid_q[i] = q[i] + 0.5 * h * v[i] + 0.125 * h * h * a[i];
-                mid_v[i] = v[i] + 0.5 * h * a[i];
-            }
-            self.tree.at(&mid_q[..n], &mid_v[..n], &mut equations);
-            let t = course.grid.time(step) + 0.5 * h;
-            let mut matrix: DMatrix<f64> = equations.mass.clone();
-            matrix.resize_mut(count, count, 0.0);
-            let mut force = DVector::zeros(count);
-            for (i, plant) in self.drives.iter().enumerate() {
-                let (c, feed, trace) = (self.rotor[i], &course.feeds[i], &traces[i]);
-                warmer_k[i] = feed.warmer_k(step);
-                matrix[(c, c)] += plant.reflected_inertia + 0.5 * h * plant.damping;
-                let mut command = feed.command(step);
-                if let Some(servo) = &plant.servo {
-                    let past = Past { position: &trace.position, speed: &trace.speed, step_s: h };
-                    command = servo.volts(command, feed.supply(step), past, &mut loops[i]);
-                }
-                let (torque, slope) =
-                    if feed.released(step) { (0.0, 0.0) } else { motor_torque(plant, command, mid_v[c]) };
-                matrix[(c, c)] += 0.5 * h * slope;
-                motor[i] = torque;
-                let outside: f64 =
-                    plant.output_forces.iter().map(|f| f.force(mid_q[i], mid_v[i], load[i], t)).sum();
-                force[c] +=
-                    torque + 0.5 * h * slope * a[c] + plant.laws.rotor_force(mid_q[c], mid_v[c], load[i], t)
-                        - plant.damping * v[c];
-                force[i] += outside - equations.bias[i];
-                if c != i {
-                    let over = (q[c] - q[i], v[c] - v[i], a[c] - a[i]);
-                    passed[i] = pass(plant, over, h, course.grid.time(step));
-                    let Passed { explicit, implicit } = passed[i];
-                    force[c] -= explicit;
-                    force[i] += explicit;
-                    for (row, column, sign) in [(i, i, 1.0), (c, c, 1.0), (i, c, -1.0), (c, i, -1.0)] {
-                        matrix[(row, column)] += sign * implicit;
-                    }
-                }
-            }
+            self.to_middle(&mut now, course.grid.step_s);
+            self.drive(course, step, &traces, &mut now);
             if let Some(pulls) = course.pulls {
-                let inertia = |i, j| self.inertia(&equations, i, j);
-                pulls.torques(step, (&mid_q[..n], &mid_v[..n]), inertia, &mut pulled);
-                force.iter_mut().zip(&pulled).for_each(|(force, pull)| *force += pull);
+                self.pull(pulls, step, &mut now);
             }
-            let Some(inverse) = matrix.try_inverse() else {
-                let admitted = "such that every joint moves some mass";
-                return Err(ModelError::BadParameter {
-                    name: "mass matrix".to_owned(),
-                    value: 0.0,
-                    admitted,
-                });
-            };
-            let free = &inverse * force;
-            let at = Rub {
-                q: &mid_q,
-                v: &v,
-                free: &free,
-                inverse: &inverse,
-                passed: &passed,
-                warmer_k: &warmer_k,
-                h,
-            };
-            let friction = self.rub(&at, &equations, &mut load, &mut rubbed);
-            for (i, rub) in friction.iter().enumerate() {
-                held[self.rotor[i]] = *rub != 0.0;
+            if !now.matrix.try_inverse_mut() {
+                let (name, admitted) = ("mass matrix".to_owned(), "such that every joint moves some mass");
+                return Err(ModelError::BadParameter { name, value: 0.0, admitted });
             }
-            for i in 0..count {
-                let gained: f64 = (0..n).map(|j| inverse[(i, self.rotor[j])] * friction[j]).sum();
-                let size = v[i].abs() + h * (free[i].abs() + gained.abs());
-                let mut after = v[i] + h * (free[i] + gained);
-                // What rounding leaves of a speed that friction has just stopped is not a motion.
-                if held[i] && after.abs() <= 1e-11 * size {
-                    after = 0.0;
-                }
-                travelled[i] = if v[i] == 0.0 && after == 0.0 { 0.0 } else { 0.5 * h * (v[i] + after) };
-                a[i] = (after - v[i]) / h;
-                q[i] += travelled[i];
-                v[i] = after;
-            }
-            for (i, plant) in self.drives.iter().enumerate() {
-                rubbed[i].advance(&plant.laws, travelled[self.rotor[i]]);
-            }
+            now.free.gemv(1.0, &now.matrix, &now.force, 0.0);
+            self.rub(&mut now, course.grid.step_s);
+            self.advance(&mut now, course.grid.step_s);
         }
         Ok(traces)
     }
 
-    /// Positions and speeds of all coordinates where a run begins: rotors that do not move with their joints hold them.
-    fn start(&self, joints: &[(f64, f64)], count: usize, equations: &mut Equations) -> (Vec<f64>, Vec<f64>) {
+    /// Positions and speeds in the middle of the step, as they are without a change of the accelerations, and the equations
+    /// of motion there.
+    fn to_middle(&self, now: &mut State, h: f64) {
+        for i in 0..now.q.len() {
+            now.mid_q[i] = now.q[i] + 0.5 * h * now.v[i] + 0.125 * h * h * now.a[i];
+            now.mid_v[i] = now.v[i] + 0.5 * h * now.a[i];
+        }
         let n = self.drives.len();
-        let mut q: Vec<f64> = joints.iter().map(|s| s.0).collect();
-        let mut v: Vec<f64> = joints.iter().map(|s| s.1).collect();
-        if count > n {
-            self.tree.at(&q, &vec![0.0; n], equations);
-            for i in (0..n).filter(|&i| self.rotor[i] != i) {
-                q.push(q[i] + self.drives[i].ahead_under(equations.bias[i]));
-                v.push(v[i]);
+        self.tree.at(&now.mid_q[..n], &now.mid_v[..n], &mut now.equations);
+    }
+
+    /// The matrix of the accelerations and the forces without dry friction and without an observer's pull.
+    fn drive(&self, course: &Course, step: usize, traces: &[JointTrace], now: &mut State) {
+        let (n, h) = (self.drives.len(), course.grid.step_s);
+        let t = course.grid.time(step) + 0.5 * h;
+        now.matrix.fill(0.0);
+        now.matrix.view_mut((0, 0), (n, n)).copy_from(&now.equations.mass);
+        now.force.fill(0.0);
+        for (i, plant) in self.drives.iter().enumerate() {
+            let (c, feed, trace) = (self.rotor[i], &course.feeds[i], &traces[i]);
+            now.warmer_k[i] = feed.warmer_k(step);
+            now.matrix[(c, c)] += plant.reflected_inertia + 0.5 * h * plant.damping;
+            let mut command = feed.command(step);
+            if let Some(servo) = &plant.servo {
+                let past = Past { position: &trace.position, speed: &trace.speed, step_s: h };
+                command = servo.volts(command, feed.supply(step), past, &mut now.loops[i]);
+            }
+            let (q, v, load) = (&now.mid_q, &now.mid_v, now.load[i]);
+            let (torque, slope) =
+                if feed.released(step) { (0.0, 0.0) } else { motor_torque(plant, command, v[c]) };
+            now.matrix[(c, c)] += 0.5 * h * slope;
+            now.motor[i] = torque;
+            let outside: f64 = plant.output_forces.iter().map(|f| f.force(q[i], v[i], load, t)).sum();
+            now.force[c] += torque + 0.5 * h * slope * now.a[c] + plant.laws.rotor_force(q[c], v[c], load, t)
+                - plant.damping * now.v[c];
+            now.force[i] += outside - now.equations.bias[i];
+            if c != i {
+                let over = (now.q[c] - now.q[i], now.v[c] - now.v[i], now.a[c] - now.a[i]);
+                let passed = pass(plant, over, h, course.grid.time(step));
+                now.force[c] -= passed.explicit;
+                now.force[i] += passed.explicit;
+                for (row, column, sign) in [(i, i, 1.0), (c, c, 1.0), (i, c, -1.0), (c, i, -1.0)] {
+                    now.matrix[(row, column)] += sign * passed.implicit;
+                }
+                now.passed[i] = passed;
             }
         }
-        (q, v)
+    }
+
+    /// Adds the pull of an observer.
+    fn pull(&self, pulls: &Pulls, step: usize, now: &mut State) {
+        let n = self.drives.len();
+        let equations = &now.equations;
+        let inertia = |i, j| self.inertia(equations, i, j);
+        pulls.torques(step, (&now.mid_q[..n], &now.mid_v[..n]), inertia, &mut now.pulled);
+        now.force.iter_mut().zip(&now.pulled).for_each(|(force, pull)| *force += pull);
+    }
+
+    /// Goes on to the end of the step with the accelerations that friction leaves.
+    fn advance(&self, now: &mut State, h: f64) {
+        now.held.fill(false);
+        for (c, rub) in self.rotor.iter().zip(&now.friction) {
+            now.held[*c] = *rub != 0.0;
+        }
+        for i in 0..now.q.len() {
+            let (free, accelerated) = (now.free[i], now.accelerated[i]);
+            let size = now.v[i].abs() + h * (free.abs() + (accelerated - free).abs());
+            let mut after = now.v[i] + h * accelerated;
+            // What rounding leaves of a speed that friction has just stopped is not a motion.
+            if now.held[i] && after.abs() <= 1e-11 * size {
+                after = 0.0;
+            }
+            now.travelled[i] = if now.v[i] == 0.0 && after == 0.0 { 0.0 } else { 0.5 * h * (now.v[i] + after) };
+            now.a[i] = (after - now.v[i]) / h;
+            now.q[i] += now.travelled[i];
+            now.v[i] = after;
+        }
+        for (i, plant) in self.drives.iter().enumerate() {
+            now.rubbed[i].advance(&plant.laws, now.travelled[self.rotor[i]]);
+        }
     }
 
     /// An entry of the mass matrix of the joints with the reflected inertia of the drives that move with them, kg m^2.

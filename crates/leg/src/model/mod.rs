@@ -399,6 +399,10 @@ impl Model for LegModel {
             .collect()
     }
 
+    fn is_dear(&self) -> bool {
+        true
+    }
+
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
         Box::new(Self { steps_per_sample: Some(steps_per_sample), ..self.clone() })
     }

@@ -20,6 +20,17 @@ fn in_file(name: &str) -> &str {
     name.split_once('@').map_or(name, |(own, _)| own)
 }
 
+/// A number as a file states it, with so many significant digits: what is computed from others has sixteen.
+fn stated(value: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
+    format!("{rounded:?}")
+}
+
+/// The nominal value and the widest bounds that are proposed about it.
+fn about(nominal: f64) -> [String; 3] {
+    [stated(nominal, 6), stated(0.01 * nominal, 3), stated(100.0 * nominal, 3)]
+}
+
 /// What must be said first; `None` where every bound was stated.
 #[must_use]
 pub fn sentence(parameters: &[ParameterValue]) -> Option<String> {
@@ -43,12 +54,11 @@ pub fn sentence(parameters: &[ParameterValue]) -> Option<String> {
 /// What to put into the actuator file, in a sentence.
 fn advice(parameters: &[ParameterValue]) -> Option<String> {
     let (p, nominal) = of(parameters).next()?;
+    let [value, min, max] = about(nominal);
     Some(format!(
-        "In the actuator file, under [parameters.{}]: value = {nominal:?} and tolerance = 0.1 (one standard deviation, as a ratio) \
-         with a wider min and max, or min = {:?}, max = {:?}, scale = \"logarithmic\" where only its size is known.",
+        "In the actuator file, under [parameters.{}]: value = {value} and tolerance = 0.1 (one standard deviation, as a ratio) \
+         with a wider min and max, or min = {min}, max = {max}, scale = \"logarithmic\" where only its size is known.",
         in_file(&p.name),
-        0.01 * nominal,
-        100.0 * nominal
     ))
 }
 
@@ -69,12 +79,11 @@ pub fn lines(parameters: &[ParameterValue]) -> String {
             continue;
         }
         done.push(name);
+        let [value, min, max] = about(nominal);
         let _ = write!(
             out,
-            "    [parameters.{name}]\n    value = {nominal:?}\n    tolerance = 1.0          # one standard deviation of that, as a ratio\n    \
-             min = {:?}\n    max = {:?}\n    scale = \"logarithmic\"    # a size that is known to a power of ten\n",
-            0.01 * nominal,
-            100.0 * nominal
+            "    [parameters.{name}]\n    value = {value}\n    tolerance = 1.0          # one standard deviation of that, as a ratio\n    \
+             min = {min}\n    max = {max}\n    scale = \"logarithmic\"    # a size that is known to a power of ten\n",
         );
     }
     if out.is_empty() { out } else { format!("  To be added to the actuator file:\n{out}") }
@@ -101,6 +110,7 @@ mod tests {
         let said = sentence(&all).unwrap();
         assert!(said.contains("arm/damping at 0.00150 N m s/rad (0.00100 N m s/rad in the file)"), "{said}");
         assert!(advice(&all).unwrap().contains("[parameters.damping]"));
+        assert_eq!(about(0.020_157_750_000_000_002), ["0.0201578", "0.000202", "2.02"]);
         // Before: half to one and a half of the value. With the lines: from a hundredth to a hundred times.
         let of = |text: &str| {
             let spec = ActuatorSpec::from_toml(text, "d.toml").unwrap();

@@ -48,7 +48,7 @@ const APART: f64 = 1.003;
 /// Starting values of an effect with a count that promise most on an excerpt, best first; none for other effects, or where
 /// nothing can be simulated.
 pub(super) fn starts(data: &Data, beside: &Candidate, seen: &Excitation, card: &EffectCard) -> Vec<Vec<f64>> {
-    let dear = fit::has_many_parameters(beside.model.as_ref());
+    let dear = beside.model.is_dear();
     match card.parameters.iter().position(is_count).filter(|_| !dear) {
         Some(of_count) => promising(data, beside, seen, card, of_count).unwrap_or_default(),
         None => Vec::new(),

@@ -7,7 +7,6 @@ use super::Candidate;
 use super::missing::{Missing, ports};
 use super::policy::{CYCLES, LOWEST_HZ, PERIOD_ROWS, PERIODS, RESONANCES, RESONANCES_APART, WAVES_APART};
 use crate::data::Data;
-use crate::fit;
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, Parameter, internal};
 use std::f64::consts::TAU;
@@ -20,7 +19,7 @@ pub(super) const RESONANCE: &str = "frequency_hz";
 /// is where the effect has neither, or no observer shows what is missing. A resonance starts where what is left has the most
 /// power, too: beside its own width nothing leads to it.
 pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard) -> EffectCard {
-    let dear = fit::has_many_parameters(observed.model.as_ref());
+    let dear = observed.model.is_dear();
     let mut card = card.clone();
     let place = card.id.rsplit_once('/').map_or("", |(place, _)| place).to_owned();
     let rotor = || {

@@ -42,9 +42,9 @@ pub struct Models<'a> {
     pub observed: Option<Box<dyn Model>>,
     /// What the fit runs measured and how hard they drove the model.
     pub seen: Excitation,
-    /// Whether a simulation is dear: derivatives are then taken no more often than they must.
+    /// Whether a simulation is dear, see [`Model::is_dear`].
     pub dear: bool,
-    /// Whether `coarse` simulates in windows (see [`in_windows`]).
+    /// Whether `coarse` simulates in windows, see [`Model::forgetting`].
     pub windowed: bool,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Models<'a> {
         let observed = coarse.observing(&records_of(data));
         let windows = in_windows(data, coarse.as_ref());
         let windowed = windows.is_some();
-        let dear = fit::has_many_parameters(exact);
+        let dear = exact.is_dear();
         let coarse = windows.unwrap_or(coarse);
         Self { data, exact, coarse, observed, seen: Excitation::default(), dear, windowed }
     }

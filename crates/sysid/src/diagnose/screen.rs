@@ -105,7 +105,7 @@ pub fn screen(
 ) -> Screened {
     let cards: Vec<EffectCard> =
         cards.par_iter().map(|card| periods::with_periods(data, beside, card)).collect();
-    let dear = crate::fit::has_many_parameters(beside.model.as_ref());
+    let dear = beside.model.is_dear();
     let mut jobs: Vec<(usize, Vec<f64>)> = Vec::new();
     for (c, card) in cards.iter().enumerate() {
         // A periodic effect's starts are its periods, a resonance's where something is loud: none of them leads to another.

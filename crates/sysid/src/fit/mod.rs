@@ -86,28 +86,15 @@ impl Default for FitOptions {
     }
 }
 
-/// Free parameters beyond which derivatives are dear, as they take a simulation each: a whole leg has more.
-const MANY_PARAMETERS: usize = 15;
-
-/// Gain of a step with which such a fit is content (see [`FitOptions::tolerance`]).
+/// Gain of a step with which a fit of a model that is dear to simulate is content (see [`FitOptions::tolerance`]).
 const DEAR_TOLERANCE: f64 = 0.3;
-
-/// Whether a model has so many free parameters that derivatives are to be taken no more often than they must.
-#[must_use]
-pub fn has_many_parameters(model: &dyn Model) -> bool {
-    model.parameters().iter().filter(|p| !p.fixed).count() > MANY_PARAMETERS
-}
 
 impl FitOptions {
     /// What suits a model.
     #[must_use]
     pub fn of(model: &dyn Model) -> Self {
         let usual = Self::default();
-        if has_many_parameters(model) {
-            Self { secants: true, tolerance: DEAR_TOLERANCE, ..usual }
-        } else {
-            usual
-        }
+        if model.is_dear() { Self { secants: true, tolerance: DEAR_TOLERANCE, ..usual } } else { usual }
     }
 }
 

@@ -50,35 +50,29 @@ impl Signatures {
             .collect();
         let projected = jacobian::projected(data, at, &raw);
         let (bare, gradient) = jacobian::normal(&projected, &raw, at);
-        let (n, m) = (fit.free.len(), changed.len());
-        let mut shared = DMatrix::<f64>::zeros(n, m);
+        let diagonal = DVector::from_fn(changed.len(), |i, _| bare[(i, i)]);
+        // A parameter that a bound holds back takes no part of a signature: it can neither follow nor make room.
+        let held = |k: &usize| fit.parameters[fit.free[*k]].at_bound.is_some();
+        let moving: Vec<usize> = (0..fit.free.len()).filter(|k| !held(k)).collect();
+        let mut shared = DMatrix::<f64>::zeros(moving.len(), changed.len());
         for (own, other) in fit.jacobian.iter().zip(&raw) {
-            for k in 0..n {
-                for c in 0..m {
-                    shared[(k, c)] += dot(&own.columns[k], &other.columns[c]);
+            for (row, &k) in moving.iter().enumerate() {
+                for c in 0..changed.len() {
+                    shared[(row, c)] += dot(&own.columns[k], &other.columns[c]);
                 }
             }
         }
-        let mut normal = fit.normal.clone();
-        for k in 0..n {
+        let mut normal = fit.normal.select_rows(&moving).select_columns(&moving);
+        for k in 0..moving.len() {
             normal[(k, k)] += 1e-12 + 1e-12 * normal[(k, k)];
         }
-        let diagonal = DVector::from_fn(m, |i, _| bare[(i, i)]);
         let Some(cholesky) = normal.cholesky() else {
             return Self { gram: bare, gradient, bare: diagonal };
         };
         let taken = cholesky.solve(&shared);
         let gram = bare - shared.transpose() * &taken;
-        let own = DVector::from_column_slice(&fit.gradient);
-        // Where a bound holds, the gradient of the fit is not zero, and nothing may be gained by crossing it.
-        let free =
-            DVector::from_fn(
-                n,
-                |k, _| {
-                    if fit.parameters[fit.free[k]].at_bound.is_some() { 0.0 } else { own[k] }
-                },
-            );
-        let gradient = gradient - taken.transpose() * free;
+        let own = DVector::from_fn(moving.len(), |row, _| fit.gradient[moving[row]]);
+        let gradient = gradient - taken.transpose() * own;
         Self { gram, gradient, bare: diagonal }
     }
 

@@ -196,3 +196,28 @@ fn a_missing_effect_is_seen_in_its_signature() {
     assert!((base.cost - full.cost - drop).abs() < 0.1 * drop, "{} {} {drop}", base.cost, full.cost);
     assert!((signatures.cosine(0, 0) - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn what_a_bound_holds_back_is_seen_as_large_as_it_is() {
+    let campaign = toy_campaign(11);
+    let mut toy = Toy::new();
+    let free = {
+        let data = Data::new(&campaign, Some(Role::Fit), &toy).unwrap();
+        fit(&data, &toy, &FitOptions::default()).unwrap()
+    };
+    let most = 340.0;
+    (toy.parameters[2].max, toy.parameters[2].value) = (most, 300.0);
+    let data = Data::new(&campaign, Some(Role::Fit), &toy).unwrap();
+    let base = fit(&data, &toy, &FitOptions::default()).unwrap();
+    assert_eq!(base.parameters[2].at_bound, Some(Bound::Max));
+    // A change that does what the parameter would do beyond its bound.
+    let mut values = base.values.clone();
+    values[2] += 1.0;
+    let changed = data.predict(&toy, &values).unwrap();
+    let signatures = Signatures::new(&data, &base, &base.evaluation.predictions, &[&changed]);
+    let (drop, amplitude) = signatures.drop(&[0]);
+    let gain = base.cost - free.cost;
+    // Linear from a tenth below what is free: a fifth off. Never more than there is.
+    assert!(gain > 20.0 && (drop - gain).abs() < 0.2 * gain, "{drop} {gain}");
+    assert!(amplitude[0] > 20.0, "{amplitude:?}");
+}
