@@ -280,7 +280,9 @@ fn what_commands_a_joint_is_said() {
     assert!(arm.refuses_input(&told(&[]), "hinge.force_n").is_some());
     // A plain drive has neither winding nor loop.
     let plain = robot(folder.path(), ARM, TORQUE);
-    assert!(plain.refuses_input(&told(&[]), "hinge.position_rad").expect("no loop").contains("hinge.torque_nm"));
+    assert!(
+        plain.refuses_input(&told(&[]), "hinge.position_rad").expect("no loop").contains("hinge.torque_nm")
+    );
     let both = record(&[("hinge.position_rad", &goal), ("hinge.torque_nm", &goal)], &[]);
     let arm = robot(folder.path(), ARM, SERVO);
     let error = arm.predict(&values(&arm), &both, &["hinge.angle_rad".to_owned()]).expect_err("two commands");

@@ -96,7 +96,10 @@ pub fn of_source(
 /// # Errors
 ///
 /// [`Error::RefusedInput`] for the first of them.
-pub(crate) fn check_inputs(campaign: &Campaign, reason: impl Fn(&Record, &str) -> Option<String>) -> Result<()> {
+pub(crate) fn check_inputs(
+    campaign: &Campaign,
+    reason: impl Fn(&Record, &str) -> Option<String>,
+) -> Result<()> {
     for run in &campaign.runs {
         for input in &run.record.inputs {
             if let Some(reason) = reason(&run.record, &input.channel) {

@@ -82,7 +82,8 @@ impl Machine {
     /// Writes the accelerations under the frictions as they are, rad/s^2, and what passes from each drive to the links, N m.
     fn transmit(&self, now: &mut State) {
         for i in 0..now.q.len() {
-            let pushed = self.rotor.iter().zip(&now.friction).map(|(c, friction)| now.matrix[(i, *c)] * friction);
+            let pushed =
+                self.rotor.iter().zip(&now.friction).map(|(c, friction)| now.matrix[(i, *c)] * friction);
             now.accelerated[i] = now.free[i] + pushed.sum::<f64>();
         }
         let (by, mass) = (&now.accelerated, &now.equations.mass);

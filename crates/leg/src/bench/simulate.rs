@@ -184,8 +184,12 @@ impl Machine {
     /// inverse.
     pub fn run(&self, course: &Course, names: &[String]) -> Result<Vec<JointTrace>, ModelError> {
         let mut now = State::of(self, course.start);
-        let mut traces: Vec<JointTrace> =
-            self.rotor.iter().enumerate().map(|(i, c)| JointTrace::with_room(course.grid.steps + 1, *c != i)).collect();
+        let mut traces: Vec<JointTrace> = self
+            .rotor
+            .iter()
+            .enumerate()
+            .map(|(i, c)| JointTrace::with_room(course.grid.steps + 1, *c != i))
+            .collect();
         for step in 0..=course.grid.steps {
             for (i, trace) in traces.iter_mut().enumerate() {
                 trace.push(&now, i, self.rotor[i]);
@@ -285,7 +289,8 @@ impl Machine {
             if now.held[i] && after.abs() <= 1e-11 * size {
                 after = 0.0;
             }
-            now.travelled[i] = if now.v[i] == 0.0 && after == 0.0 { 0.0 } else { 0.5 * h * (now.v[i] + after) };
+            now.travelled[i] =
+                if now.v[i] == 0.0 && after == 0.0 { 0.0 } else { 0.5 * h * (now.v[i] + after) };
             now.a[i] = (after - now.v[i]) / h;
             now.q[i] += now.travelled[i];
             now.v[i] = after;
