@@ -65,16 +65,32 @@ impl Joint {
         &self,
         record: &'a Record,
     ) -> Result<Option<(&'static str, &'a [f64])>, ModelError> {
-        let commands = self.commands();
-        let mut told = commands.iter().filter_map(|(name, input)| Some((name, *input, record.input(name)?)));
+        let mut told = self.told_in(record);
         match (told.next(), told.next()) {
             (first, None) => Ok(first.map(|(_, input, values)| (input, values))),
             (first, second) => Err(ModelError::NoInput {
                 record: record.name.clone(),
-                wanted: commands.iter().map(|(name, _)| name.clone()).collect(),
-                found: first.into_iter().chain(second).map(|(name, ..)| name.clone()).collect(),
+                wanted: self.commands().into_iter().map(|(name, _)| name).collect(),
+                found: first.into_iter().chain(second).map(|(name, ..)| name).collect(),
             }),
         }
+    }
+
+    /// Another column of a record that commands the joint, where this one does.
+    pub fn commanded_beside(&self, record: &Record, channel: &str) -> Option<String> {
+        let commands = self.commands().iter().any(|(name, _)| name == channel);
+        self.told_in(record).map(|(name, ..)| name).find(|name| commands && name != channel)
+    }
+
+    /// All commands in a record, each with its name on a bench of the drive alone.
+    fn told_in<'a>(
+        &self,
+        record: &'a Record,
+    ) -> impl Iterator<Item = (String, &'static str, &'a [f64])> + use<'a> {
+        self.commands().into_iter().filter_map(|(name, input)| {
+            let values = record.input(&name)?;
+            Some((name, input, values))
+        })
     }
 
     /// What a record holds beside the command, by the name of a bench's column: of this joint, or of all.

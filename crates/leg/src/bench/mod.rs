@@ -17,6 +17,7 @@ mod joint;
 mod links;
 mod model;
 mod observed;
+mod records;
 mod rub;
 mod simulate;
 mod stated;

@@ -10,7 +10,7 @@ use super::tree::Tree;
 use crate::LegError;
 use crate::error::nearest;
 use crate::robot::{JointKind, Robot};
-use sealegs_actuator::bench::{Bench, BenchModel, Fed, command_times, start_of};
+use sealegs_actuator::bench::{Bench, BenchModel, Fed, command_times};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::plant::{Feed, Grid, Plant, sample};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
@@ -40,9 +40,6 @@ const MANY_PARAMETERS: usize = 30;
 /// radian of their oscillation in it.
 const OF_PLAY: f64 = 0.2;
 
-/// What a commanded torque does not feel of a drive.
-const UNFELT_BY_EFFORT: [&str; 2] = ["force_constant", "winding_resistance"];
-
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 
@@ -50,7 +47,7 @@ const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 #[derive(Debug, Clone)]
 pub struct RobotModel {
     pub(super) file: Arc<RobotFile>,
-    name: String,
+    pub(super) name: String,
     pub(super) robot: Arc<Robot>,
     pub(super) tree: Tree,
     pub(super) joints: Vec<Joint>,
@@ -147,31 +144,6 @@ impl RobotModel {
         Ok(model)
     }
 
-    /// The same model for these records: runs start as their first rows say, and what a joint's commands do not feel of its
-    /// drive is not fitted.
-    #[must_use]
-    pub fn for_records(mut self, records: &[&Record]) -> Self {
-        for record in records {
-            let of = |joint: &Joint| {
-                let signal = |column| record.output(&joint.channel(column));
-                let position = signal(Column::Position).map(|values| start_of(&record.time_s, values));
-                let speed = signal(Column::Speed).map(|values| start_of(&record.time_s, values).0);
-                position.unwrap_or((0.0, speed.unwrap_or(0.0)))
-            };
-            self.starts.insert(record.name.clone(), self.joints.iter().map(of).collect());
-        }
-        for joint in &self.joints {
-            let input = |record: &&Record| joint.command_in(record).ok().flatten().map(|(input, _)| input);
-            if records.iter().filter_map(input).any(|input| input != joint.effort()) {
-                continue;
-            }
-            for name in UNFELT_BY_EFFORT.map(|p| format!("{}/{p}", joint.name)) {
-                self.parameters.iter_mut().filter(|p| p.name == name).for_each(|p| p.fixed = true);
-            }
-        }
-        self
-    }
-
     /// The same model with another greatest step, s.
     #[must_use]
     pub fn with_step(mut self, step_s: f64) -> Self {
@@ -198,31 +170,6 @@ impl RobotModel {
         }
         all.extend(self.file.sensors.clone());
         all
-    }
-
-    /// What keeps a record's column from commanding this robot, if anything does.
-    #[must_use]
-    pub fn refuses_input(&self, record: &Record, channel: &str) -> Option<String> {
-        if let Some(joint) = self.joints.iter().find(|j| j.reads(channel)) {
-            let others = joint.commands().into_iter().map(|(name, _)| name);
-            let commands = others.clone().any(|name| name == channel);
-            let mut twice = others.filter(|name| commands && name != channel && record.input(name).is_some());
-            return twice.next().map(|other| {
-                format!("commands joint '{}' as '{other}' does: a joint takes one command, the other column is to go", joint.name)
-            });
-        }
-        let commands = |joint: &Joint| joint.commands().into_iter().map(|(name, _)| name).collect::<Vec<_>>();
-        let of =
-            self.joints.iter().find(|j| channel.rsplit_once('.').is_some_and(|(name, _)| name == j.name));
-        if let Some(joint) = of {
-            let takes = commands(joint).join(", ");
-            return Some(format!("does not command joint '{}': its drive takes {takes}", joint.name));
-        }
-        let all: Vec<String> = self.joints.iter().flat_map(commands).collect();
-        let hint = nearest(channel, all.iter().map(String::as_str))
-            .map(|n| format!("; did you mean '{n}'?"))
-            .unwrap_or_default();
-        Some(format!("commands no joint of {}{hint}", self.name))
     }
 
     /// The file with these parameter values and their standard deviations (those that are missing or not positive are
@@ -311,14 +258,6 @@ impl RobotModel {
             plant.step_following(wanted_s, least)
         };
         drives.iter().map(follow).fold(wanted_s, f64::min)
-    }
-
-    /// Whether a joint follows a goal by its own loop in any of the records.
-    fn has_loop(&self, records: &[&Record]) -> bool {
-        let goal = |record: &&Record, joint: &Joint| {
-            matches!(joint.command_in(record), Ok(Some(("position_rad", _))))
-        };
-        records.iter().any(|record| self.joints.iter().any(|joint| goal(record, joint)))
     }
 
     /// The links with parameter values in place.

@@ -103,8 +103,6 @@ pub(super) struct State {
     pub mid_q: Vec<f64>,
     mid_v: Vec<f64>,
     travelled: Vec<f64>,
-    /// Whether friction acts on a coordinate.
-    held: Vec<bool>,
     /// Mass matrix and bias forces of the joints.
     pub equations: Equations,
     /// The matrix of the accelerations with all that is implicit; its inverse once the forces are known.
@@ -147,7 +145,6 @@ impl State {
             mid_q: q.clone(),
             mid_v: v.clone(),
             travelled: vec![0.0; count],
-            held: vec![false; count],
             equations,
             matrix: DMatrix::zeros(count, count),
             force: DVector::zeros(count),
@@ -277,16 +274,14 @@ impl Machine {
 
     /// Goes on to the end of the step with the accelerations that friction leaves.
     fn advance(&self, now: &mut State, h: f64) {
-        now.held.fill(false);
-        for (c, rub) in self.rotor.iter().zip(&now.friction) {
-            now.held[*c] = *rub != 0.0;
-        }
         for i in 0..now.q.len() {
             let (free, accelerated) = (now.free[i], now.accelerated[i]);
             let size = now.v[i].abs() + h * (free.abs() + (accelerated - free).abs());
             let mut after = now.v[i] + h * accelerated;
             // What rounding leaves of a speed that friction has just stopped is not a motion.
-            if now.held[i] && after.abs() <= 1e-11 * size {
+            let rubbed =
+                self.rotor.iter().zip(&now.friction).any(|(c, friction)| *c == i && *friction != 0.0);
+            if rubbed && after.abs() <= 1e-11 * size {
                 after = 0.0;
             }
             now.travelled[i] =

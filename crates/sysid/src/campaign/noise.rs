@@ -5,9 +5,8 @@
 //! Sixth differences `x0 - 6 x1 + 15 x2 - 20 x3 + 15 x4 - 6 x5 + x6` remove what is smooth over seven samples and leave
 //! white noise with the variance `924 sigma^2`. Lower orders keep more of the motion: of an arm that is logged at 100 Hz and
 //! moves at 2 Hz, third differences of samples 40 ms apart show more motion than the noise of a hobby servo's encoder.
-//! Their root mean square over windows of [`WINDOW`] samples is
-//! taken where it is low (the lower quartile over the windows), because motion only adds to it. Two things
-//! hide noise from differences, and each puts a floor under the estimate:
+//! Their root mean square over windows of [`WINDOW`] samples is taken where it is low (the lower quartile over the windows),
+//! because motion only adds to it. Two things hide noise from differences, and each puts a floor under the estimate:
 //!
 //! - a quantised sensor at rest shows no difference at all: its error is `q / sqrt(12)` for a quantum `q`;
 //! - a slow or over-sampled sensor has noise that is alike from sample to sample. Differences of samples
@@ -114,7 +113,8 @@ pub(super) fn by_differences(columns: &[&[f64]]) -> f64 {
         for column in columns {
             let difference =
                 |i: usize| SIXTH.iter().enumerate().map(|(k, w)| w * column[i + k * spacing]).sum::<f64>();
-            let d: Vec<f64> = (0..column.len().saturating_sub(6 * spacing)).map(difference).collect();
+            let d: Vec<f64> =
+                (0..column.len().saturating_sub((SIXTH.len() - 1) * spacing)).map(difference).collect();
             windows
                 .extend(d.chunks(WINDOW).filter(|w| w.len() == WINDOW || d.len() < WINDOW).map(stats::rms));
         }

@@ -1,0 +1,70 @@
+//! What records are to a robot: which columns command it, where runs begin, and which parameters they feel.
+
+use super::RobotModel;
+use super::joint::{Column, Joint};
+use crate::error::nearest;
+use sealegs_actuator::bench::start_of;
+use sealegs_model::Record;
+
+/// What a commanded torque does not feel of a drive.
+const UNFELT_BY_EFFORT: [&str; 2] = ["force_constant", "winding_resistance"];
+
+impl RobotModel {
+    /// The same model for these records: runs start as their first rows say, and what a joint's commands do not feel of its
+    /// drive is not fitted.
+    #[must_use]
+    pub fn for_records(mut self, records: &[&Record]) -> Self {
+        for record in records {
+            let of = |joint: &Joint| {
+                let signal = |column| record.output(&joint.channel(column));
+                let position = signal(Column::Position).map(|values| start_of(&record.time_s, values));
+                let speed = signal(Column::Speed).map(|values| start_of(&record.time_s, values).0);
+                position.unwrap_or((0.0, speed.unwrap_or(0.0)))
+            };
+            self.starts.insert(record.name.clone(), self.joints.iter().map(of).collect());
+        }
+        for joint in &self.joints {
+            let input = |record: &&Record| joint.command_in(record).ok().flatten().map(|(input, _)| input);
+            if records.iter().filter_map(input).any(|input| input != joint.effort()) {
+                continue;
+            }
+            for name in UNFELT_BY_EFFORT.map(|p| format!("{}/{p}", joint.name)) {
+                self.parameters.iter_mut().filter(|p| p.name == name).for_each(|p| p.fixed = true);
+            }
+        }
+        self
+    }
+
+    /// What keeps a record's column from commanding this robot, if anything does.
+    #[must_use]
+    pub fn refuses_input(&self, record: &Record, channel: &str) -> Option<String> {
+        if let Some(joint) = self.joints.iter().find(|j| j.reads(channel)) {
+            return joint.commanded_beside(record, channel).map(|other| {
+                format!(
+                    "commands joint '{}' as '{other}' does: a joint takes one command, the other column is to go",
+                    joint.name
+                )
+            });
+        }
+        let commands = |joint: &Joint| joint.commands().into_iter().map(|(name, _)| name).collect::<Vec<_>>();
+        let of =
+            self.joints.iter().find(|j| channel.rsplit_once('.').is_some_and(|(name, _)| name == j.name));
+        if let Some(joint) = of {
+            let takes = commands(joint).join(", ");
+            return Some(format!("does not command joint '{}': its drive takes {takes}", joint.name));
+        }
+        let all: Vec<String> = self.joints.iter().flat_map(commands).collect();
+        let hint = nearest(channel, all.iter().map(String::as_str))
+            .map(|n| format!("; did you mean '{n}'?"))
+            .unwrap_or_default();
+        Some(format!("commands no joint of {}{hint}", self.name))
+    }
+
+    /// Whether a joint follows a goal by its own loop in any of the records.
+    pub(super) fn has_loop(&self, records: &[&Record]) -> bool {
+        let goal = |record: &&Record, joint: &Joint| {
+            matches!(joint.command_in(record), Ok(Some(("position_rad", _))))
+        };
+        records.iter().any(|record| self.joints.iter().any(|joint| goal(record, joint)))
+    }
+}
