@@ -62,9 +62,10 @@ fn on_bench(drive: &str) -> BenchModel {
     BenchModel::new(spec, Bench::Pendulum(rig)).expect("a bench")
 }
 
-fn bench_record(of: &Record) -> Record {
+fn bench_record(of: &Record, spec: &ActuatorSpec) -> Record {
+    let effort = if spec.is_rigid() { "joint_torque_nm" } else { "motor_torque_nm" };
     let bench_name = |column: &str| match column.rsplit_once('.').map_or(column, |(_, what)| what) {
-        "torque_nm" => "joint_torque_nm".to_owned(),
+        "torque_nm" => effort.to_owned(),
         "angle_rad" => "joint_angle_rad".to_owned(),
         other => other.to_owned(),
     };
@@ -76,10 +77,22 @@ fn bench_record(of: &Record) -> Record {
 
 /// How far the arm as a robot is from the arm on a bench at a finer step, rad: angles of joint and rotor.
 fn off(drive: &str, record: &Record, effect: Option<(&str, &[f64])>, step_s: f64) -> f64 {
+    let columns = [("hinge.angle_rad", "joint_angle_rad"), ("hinge.motor_angle_rad", "motor_angle_rad")];
+    apart(drive, record, effect, step_s, &columns).into_iter().fold(0.0, f64::max)
+}
+
+/// How far the arm as a robot is from the arm on a bench at a finer step, by columns there and here.
+fn apart(
+    drive: &str,
+    record: &Record,
+    effect: Option<(&str, &[f64])>,
+    step_s: f64,
+    columns: &[(&str, &str)],
+) -> Vec<f64> {
     let folder = folder();
     let mut arm = robot(folder.path(), ARM, drive).for_records(&[record]).with_step(step_s);
-    let at = bench_record(record);
     let mut bench = on_bench(drive).with_step(2e-5);
+    let at = bench_record(record, bench.spec());
     let setup = RunSetup::of_record(&at, bench.spec(), bench.bench(), 1.0);
     bench = bench.with_runs(vec![setup]).expect("a rig");
     let last = effect.map_or(&[][..], |(_, last)| last);
@@ -88,16 +101,13 @@ fn off(drive: &str, record: &Record, effect: Option<(&str, &[f64])>, step_s: f64
         arm = arm.including(&format!("hinge/{id}"), &seen).unwrap_or_else(|e| panic!("{e}"));
         bench = bench.including(id, &seen).unwrap_or_else(|e| panic!("{e}"));
     }
-    let columns = |names: [&str; 2]| names.map(str::to_owned).to_vec();
-    let (here, there) = (
-        columns(["hinge.angle_rad", "hinge.motor_angle_rad"]),
-        columns(["joint_angle_rad", "motor_angle_rad"]),
-    );
+    let (here, there): (Vec<String>, Vec<String>) =
+        columns.iter().map(|(here, there)| ((*here).to_owned(), (*there).to_owned())).unzip();
     let got = arm.predict(&ending(&arm, last), record, &here).unwrap_or_else(|e| panic!("{e}"));
     let truth = bench.predict(&ending(&bench, last), &at, &there).unwrap_or_else(|e| panic!("{e}"));
     let moved = truth.outputs[0].values.iter().fold(0.0_f64, |most, angle| most.max(angle.abs()));
     assert!(moved > 0.1, "{moved}");
-    (0..2).map(|i| farthest(&got.outputs[i].values, &truth.outputs[i].values)).fold(0.0, f64::max)
+    got.outputs.iter().zip(&truth.outputs).map(|(got, truth)| farthest(&got.values, &truth.values)).collect()
 }
 
 fn goal(t: f64) -> f64 {
@@ -147,6 +157,43 @@ fn reference_a_transmission_that_yields_or_has_play_is_as_on_its_bench() {
         let play = |step_s| off(drive, record, Some(("backlash", &[0.04, 300.0])), step_s);
         assert!(play(2e-4) < 4e-3, "{}", play(2e-4));
     }
+}
+
+/// A rotary drive with a spring of 60 N m/rad and 0.02 kg m^2 of rotor at the joint.
+const SPRUNG: &str = "id = \"sprung\"\nkind = \"rotary\"\n[motor]\ntorque_constant_nm_a = 0.1\n\
+                      rotor_inertia_kg_m2 = 2e-4\nrotor_damping_nm_s = 1e-3\n[transmission]\ntype = \"gear\"\n\
+                      gear_ratio = 10.0\n[spring]\ntype = \"torsion\"\nstiffness_nm_rad = 60.0\n";
+
+#[test]
+fn reference_a_joint_with_a_series_spring_is_as_on_its_bench() {
+    let torque = |t: f64| 1.2 * (4.0 * t).sin() + 0.3 * (17.0 * t).cos();
+    let current = |t: f64| torque(t);
+    let torques = record(&[("hinge.torque_nm", &torque)], &[("hinge.angle_rad", 0.0)]);
+    let currents = record(&[("hinge.current_a", &current)], &[("hinge.angle_rad", 0.0)]);
+    let columns = [
+        ("hinge.angle_rad", "joint_angle_rad"),
+        ("hinge.motor_angle_rad", "motor_angle_rad"),
+        ("hinge.spring_deflection_rad", "spring_deflection_rad"),
+        ("hinge.spring_torque_nm", "spring_torque_nm"),
+        ("hinge.output_torque_nm", "output_torque_nm"),
+    ];
+    // Swings of 0.5 rad, 5 rad of the rotor, 0.02 rad of the spring, 1 N m.
+    let admitted = [1e-3, 1e-2, 1e-4, 5e-3, 5e-3];
+    for effect in [
+        None,
+        Some(("coulomb-friction", &[0.3][..])),
+        Some(("spring-hysteresis", &[40.0, 0.2])),
+        Some(("spring-damping", &[0.3])),
+        Some(("output-friction", &[0.2])),
+        Some(("backlash", &[0.02])),
+    ] {
+        let error = |step_s| apart(SPRUNG, &torques, effect, step_s, &columns);
+        let (coarse, fine) = (error(4e-4), error(1e-4));
+        for (i, at_most) in admitted.into_iter().enumerate() {
+            assert!(fine[i] < at_most && fine[i] < 0.5 * coarse[i], "{effect:?} {fine:?} {coarse:?}");
+        }
+    }
+    assert!(apart(SPRUNG, &currents, None, 2e-4, &columns)[0] < 1e-3);
 }
 
 /// The textbook's double pendulum whose motors drive both joints by springs, in steps of 1 us; `gap` is the play of both.

@@ -342,7 +342,9 @@ impl BenchModel {
         let enough = (record.hold == InputHold::BandLimited).then_some(SMOOTH_STEPS_PER_PERIOD);
         let period_s = record.mean_period_s();
         let fewer = [enough, self.steps_per_sample].into_iter().flatten().map(|n| period_s / n);
-        let step_s = plant.step_following(fewer.fold(self.step_s, f64::max), 0.0);
+        let wanted_s = fewer.fold(self.step_s, f64::max);
+        // A series spring's linear part is exact at any step; a transmission's departs from it by its play.
+        let step_s = if plant.is_parted() { plant.step_following(wanted_s, 0.0) } else { wanted_s };
         let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);

@@ -1,4 +1,5 @@
-//! Whether an effect stays within the actuator, so that an actuator of a leg can carry it as a bench's does.
+//! Whether an effect stays within the actuator, so that an actuator of a leg, or of a robot's joint, can carry it as a bench's
+//! does.
 
 use super::{Effect, Setting};
 use crate::plant::{Link, Plant, Servo, Winding};
@@ -50,6 +51,17 @@ pub fn is_of_actuator(effect: &dyn Effect) -> bool {
         && *command_offset == before.command_offset
         && output_forces.len() == before.output_forces.len()
         && *output_friction == before.output_friction
+}
+
+/// Whether a drive with a spring at a robot's joint can carry an effect. What needs a coordinate of its own does not: a rig
+/// that yields, a compliance behind the screw, and a mass on the link are the robot's to have.
+#[must_use]
+pub fn is_of_joint(effect: &dyn Effect) -> bool {
+    let values: Vec<f64> = effect.card(&Setting::unknown()).parameters.iter().map(|p| p.value).collect();
+    let (before, mut after) = (bench(), bench());
+    effect.install(&values, None, &mut after);
+    let same_links = (after.link_1, after.link_2) == (before.link_1, before.link_2);
+    same_links && after.series == before.series && after.wobbling == before.wobbling
 }
 
 /// A bench with everything that an effect may act on: a pendulum, a winding and a servo's loop. It is never run.
@@ -105,5 +117,11 @@ mod tests {
         };
         assert!(is_of_actuator(&own("rotor")) && is_of_actuator(&own("spring")));
         assert!(!is_of_actuator(&own("output")));
+        assert!(is_of_joint(&own("output")) && is_of_joint(&own("spring")));
+        for effect in CATALOGUE {
+            let id = effect.card(&Setting::unknown()).id;
+            let beyond = ["base-motion", "series-compliance", "wobbling-mass", "load-mismatch"];
+            assert_eq!(is_of_joint(*effect), !beyond.contains(&id.as_str()), "{id}");
+        }
     }
 }

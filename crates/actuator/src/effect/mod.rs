@@ -42,7 +42,7 @@ mod voltage_saturation;
 mod warming_friction;
 mod wobbling_mass;
 
-pub use carried::is_of_actuator;
+pub use carried::{is_of_actuator, is_of_joint};
 pub(crate) use current_saturation::limit_current;
 pub(crate) use own::embedded;
 pub use own::{Expression, Fault, OwnEffect};

@@ -59,6 +59,12 @@ impl Laws {
         self.rotor_friction.iter().map(|f| f.bound(slip)).sum()
     }
 
+    /// Whether any dry friction acts on the rotor.
+    #[must_use]
+    pub fn rubs_at_rotor(&self) -> bool {
+        !self.rotor_friction.is_empty() || !self.rotor_presliding.is_empty()
+    }
+
     /// The sum of the smooth forces on the rotor in N; see [`RotorForce::force`].
     #[must_use]
     #[inline]

@@ -72,17 +72,17 @@ impl Plant {
         1.0 / (1.0 / self.reflected_inertia + 1.0 / self.link_2.mass_kg())
     }
 
-    /// The greatest step of integration, s, that follows the transmission's oscillation; infinite without one.
+    /// The greatest step of integration, s, that follows the oscillation of rotor against load; infinite where they move as one.
     #[must_use]
     fn longest_step_s(&self) -> f64 {
-        match self.is_parted() {
-            true => STEP_PER_RADIAN / (self.stiffness / self.rotor_against_load()).sqrt(),
-            false => f64::INFINITY,
+        match self.rigid {
+            None => STEP_PER_RADIAN / (self.stiffness / self.rotor_against_load()).sqrt(),
+            Some(_) => f64::INFINITY,
         }
     }
 
-    /// A wanted step of integration, s, or a power of two less that follows the transmission's oscillation as far as `least_s`
-    /// allows. Powers of two: what is prepared for a grid serves other values, too.
+    /// A wanted step of integration, s, or a power of two less that follows the oscillation of rotor against load as far as
+    /// `least_s` allows. Powers of two: what is prepared for a grid serves other values, too.
     #[must_use]
     pub fn step_following(&self, wanted_s: f64, least_s: f64) -> f64 {
         let most = self.longest_step_s().max(least_s);

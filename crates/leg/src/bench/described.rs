@@ -20,7 +20,7 @@ pub struct DrivenJoint<'a> {
     pub command: String,
     /// What that column is called on the drive's own bench.
     pub input: &'static str,
-    /// What its sensors show: the column at a drive on its own bench, and here.
+    /// What its motion's sensors show: the column at a drive on its own bench, and here.
     pub channels: Vec<(&'static str, String)>,
 }
 
@@ -53,7 +53,7 @@ impl RobotModel {
                 values: joint.own(values),
                 command: joint.command(),
                 input: joint.input(),
-                channels: Column::ALL.map(shown).to_vec(),
+                channels: Column::MOTION.map(shown).to_vec(),
             }
         });
         described.collect()

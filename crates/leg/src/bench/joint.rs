@@ -1,6 +1,7 @@
 //! A joint of a robot with its drive: its columns, and what was seen of it.
 
 use sealegs_actuator::bench::BenchModel;
+use sealegs_actuator::effect::{CATALOGUE, Effect, Setting, is_of_joint};
 use sealegs_model::columns::BESIDE;
 use sealegs_model::{Excitation, Model, ModelError, Record, SignalRange};
 
@@ -9,6 +10,10 @@ use sealegs_model::{Excitation, Model, ModelError, Record, SignalRange};
 pub(super) struct Joint {
     pub name: String,
     pub slides: bool,
+    /// Whether a spring is between rotor and link.
+    pub sprung: bool,
+    /// What the URDF states of viscous damping, where it is not the drive's own: behind a spring, N m s/rad.
+    pub damping: f64,
     pub model: BenchModel,
     /// Where each of the drive's parameters is among the robot's.
     pub at: Vec<usize>,
@@ -21,10 +26,16 @@ pub(super) enum Column {
     Speed,
     /// The rotor's own angle.
     Motor,
+    /// What passes from the drive to the link.
+    Effort,
+    Deflection,
+    /// Inferred from the deflection.
+    SpringTorque,
 }
 
 impl Column {
-    pub const ALL: [Self; 3] = [Self::Position, Self::Speed, Self::Motor];
+    /// Of motion, which every joint has.
+    pub const MOTION: [Self; 3] = [Self::Position, Self::Speed, Self::Motor];
 }
 
 impl Joint {
@@ -53,7 +64,21 @@ impl Joint {
 
     /// What an effort is called on a bench of the drive alone.
     pub fn effort(&self) -> &'static str {
-        if self.slides { "motor_force_n" } else { "joint_torque_nm" }
+        match (self.slides, self.sprung) {
+            (true, _) => "motor_force_n",
+            (false, true) => "motor_torque_nm",
+            (false, false) => "joint_torque_nm",
+        }
+    }
+
+    /// The columns that its sensors can show.
+    pub fn columns(&self) -> impl Iterator<Item = Column> + use<> {
+        let of_spring = match (self.sprung, self.slides) {
+            (false, _) => &[][..],
+            (true, true) => &[Column::Deflection],
+            (true, false) => &[Column::Deflection, Column::SpringTorque],
+        };
+        Column::MOTION.into_iter().chain([Column::Effort]).chain(of_spring.iter().copied())
     }
 
     /// The command in a record with its name on a bench of the drive alone; `None` for a joint that is told nothing.
@@ -109,6 +134,12 @@ impl Joint {
         self.at.iter().map(|i| values[*i]).collect()
     }
 
+    /// Whether this joint cannot have an effect of the catalogue that a bench of its drive has.
+    pub fn refuses(&self, id: &str) -> bool {
+        let of_bench = |effect: &&dyn Effect| effect.card(&Setting::unknown()).id == id;
+        self.sprung && CATALOGUE.iter().copied().find(of_bench).is_some_and(|effect| !is_of_joint(effect))
+    }
+
     /// What a column is called.
     pub fn channel(&self, column: Column) -> String {
         let at_drive = self.at_drive(column);
@@ -123,13 +154,19 @@ impl Joint {
             (Column::Speed, false) => "speed_rad_s",
             (Column::Speed, true) => "speed_m_s",
             (Column::Motor, _) => "motor_angle_rad",
+            (Column::Effort, false) => "output_torque_nm",
+            // Where a spring carries a mass, its two sides feel different forces.
+            (Column::Effort, true) => if self.sprung { "force_1_n" } else { "force_2_n" },
+            (Column::Deflection, false) => "spring_deflection_rad",
+            (Column::Deflection, true) => "spring_deflection_m",
+            (Column::SpringTorque, _) => "spring_torque_nm",
         }
     }
 
     /// What was seen at this joint, by the names of the drive's own bench.
     pub fn seen(&self, seen: &Excitation) -> Excitation {
         let prefix = format!("{}.", self.name);
-        let measured = Column::ALL.into_iter().filter(|c| seen.measured.contains(&self.channel(*c)));
+        let measured = self.columns().filter(|c| seen.measured.contains(&self.channel(*c)));
         let commands = self.commands();
         let name = |range: &SignalRange| {
             let command = commands.iter().find(|(name, _)| *name == range.name).map(|(_, input)| *input);

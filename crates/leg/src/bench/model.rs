@@ -18,6 +18,7 @@ use sealegs_actuator::{ActuatorSpec, Kind};
 use sealegs_model::{
     EffectCard, Excitation, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
 };
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -43,7 +44,7 @@ const OF_PLAY: f64 = 0.2;
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 
-/// A robot on a fixed base or a rail with a drive without a spring on every joint.
+/// A robot on a fixed base or a rail with a drive on every joint, with or without a spring.
 #[derive(Debug, Clone)]
 pub struct RobotModel {
     pub(super) file: Arc<RobotFile>,
@@ -68,8 +69,8 @@ impl RobotModel {
     ///
     /// # Errors
     ///
-    /// Whatever is wrong with URDF or actuator files; [`LegError::Scenario`] for a robot that does not move, a drive with
-    /// a spring or of the wrong kind, and a parameter or effect that it cannot have.
+    /// Whatever is wrong with URDF or actuator files; [`LegError::Scenario`] for a robot that does not move, a drive of
+    /// the wrong kind, and a parameter or effect that it cannot have.
     pub fn new(file: RobotFile, own: &[Arc<dyn Effect>]) -> Result<Self, LegError> {
         let own = with_embedded(&file, own)?;
         let robot = Robot::load(&file.urdf().display().to_string(), None)?;
@@ -93,10 +94,6 @@ impl RobotModel {
             let drive = file.drive_of(&joint.name);
             let spec = ActuatorSpec::load(drive, Some(&file.folder))?;
             let slides = joint.kind == JointKind::Prismatic;
-            if !spec.is_rigid() {
-                let problem = format!("'{drive}' must be a drive without a spring: `spring = \"none\"`");
-                return Err(bad(format!("drive.{}", joint.name), problem));
-            }
             if slides != (spec.kind == Kind::Linear) {
                 let kind = if slides { "linear: the joint slides" } else { "rotary: the joint turns" };
                 // One `actuator` cannot suit joints of both kinds.
@@ -109,8 +106,11 @@ impl RobotModel {
             let load = equations.mass[(i, i)];
             let mut spec = spec;
             spec.effects.clear();
-            // What the URDF states of the joint's viscous loss is its own, beside the drive's.
-            spec.motor.rotor_damping_nm_s += joint.damping * spec.ratio() * spec.ratio();
+            // What the URDF states of the joint's viscous loss is its own, beside the drive's where no spring parts them.
+            let sprung = !spec.is_rigid();
+            if !sprung {
+                spec.motor.rotor_damping_nm_s += joint.damping * spec.ratio() * spec.ratio();
+            }
             let model = BenchModel::with_own_effects(spec, Bench::Free { load }, own.clone())?;
             let mut at = Vec::new();
             for p in Model::parameters(&model) {
@@ -123,7 +123,8 @@ impl RobotModel {
                 at.push(parameters.len());
                 parameters.push(Parameter { name, ..p.clone() });
             }
-            joints.push(Joint { name: joint.name.clone(), slides, model, at });
+            let damping = if sprung { joint.damping } else { 0.0 };
+            joints.push(Joint { name: joint.name.clone(), slides, sprung, damping, model, at });
         }
         let links = links::parameters(&robot, &tree, &mut parameters);
         let mut model = Self {
@@ -162,7 +163,7 @@ impl RobotModel {
     pub fn sensors(&self) -> BTreeMap<String, SensorSpec> {
         let mut all = BTreeMap::new();
         for joint in &self.joints {
-            for column in Column::ALL {
+            for column in joint.columns() {
                 if let Some(sensor) = joint.model.spec().sensors.get(joint.at_drive(column)) {
                     all.insert(joint.channel(column), *sensor);
                 }
@@ -222,6 +223,10 @@ impl RobotModel {
             let known: Vec<String> = self.effects(seen).into_iter().map(|card| card.id).collect();
             return Err(unknown(nearest(id, known.iter().map(String::as_str))));
         };
+        if self.joints[joint].refuses(rest) {
+            let reason = format!("a drive with a spring at a robot's joint cannot have the effect '{rest}'");
+            return Err(ModelError::Setup { reason });
+        }
         let at_joint = self.joints[joint].seen(seen);
         let place = self.joints[joint].name.clone();
         let with = self.joints[joint].model.including(rest, &at_joint).map_err(|error| match error {
@@ -247,10 +252,11 @@ impl RobotModel {
             joint.model.plant(&joint.own(values), input)
         };
         let drives = self.joints.iter().map(plant).collect::<Result<Vec<Plant>, ModelError>>()?;
-        Ok(Machine::new(self.tree_at(values), drives))
+        let damping = self.joints.iter().map(|joint| joint.damping).collect();
+        Ok(Machine::new(self.tree_at(values), drives, damping))
     }
 
-    /// A wanted step, s, made short enough to follow what the transmissions do. One that yields evenly is taken implicitly:
+    /// A wanted step, s, made short enough to follow what springs and transmissions do. One that yields evenly is taken implicitly:
     /// what is faster than the model's own step shows leaves no trace in a joint's motion.
     fn step_with(&self, wanted_s: f64, drives: &[Plant]) -> f64 {
         let follow = |plant: &Plant| {
@@ -275,7 +281,7 @@ impl RobotModel {
     /// Every channel that the robot's sensors can show.
     fn find(&self, channel: &str) -> Option<(usize, Column)> {
         let of = |(i, joint): (usize, &Joint)| {
-            Column::ALL.into_iter().find(|c| joint.channel(*c) == channel).map(|c| (i, c))
+            joint.columns().find(|c| joint.channel(*c) == channel).map(|c| (i, c))
         };
         self.joints.iter().enumerate().find_map(of)
     }
@@ -293,23 +299,33 @@ impl RobotModel {
             let Some((i, column)) = self.find(channel) else {
                 return Err(ModelError::UnknownChannel { channel: channel.clone() });
             };
-            let (dense, per_travel) = match column {
-                Column::Position => (traces[i].position.as_slice(), 1.0),
-                Column::Speed => (traces[i].speed.as_slice(), 1.0),
-                Column::Motor => (traces[i].rotor_position(), 1.0 / machine.drives[i].travel_per_rad),
+            let trace = &traces[i];
+            let (dense, scale, ahead_s) = match column {
+                Column::Position => (Cow::from(&trace.position), 1.0, 0.0),
+                Column::Speed => (Cow::from(&trace.speed), 1.0, 0.0),
+                Column::Motor => {
+                    (Cow::from(trace.rotor_position()), 1.0 / machine.drives[i].travel_per_rad, 0.0)
+                }
+                // It is known over steps, and stands at their ends.
+                Column::Effort => (Cow::from(&trace.load), 1.0, 0.5 * grid.step_s),
+                Column::Deflection => (Cow::from(trace.deflection()), 1.0, 0.0),
+                // The logger's torque is the deflection times the stiffness that it was told.
+                Column::SpringTorque => {
+                    (Cow::from(trace.deflection()), self.joints[i].model.spec().spring.stiffness(), 0.0)
+                }
             };
             let at_drive = self.joints[i].at_drive(column);
             let stages: Vec<_> =
                 machine.drives[i].laws.sensor_stages.iter().filter(|s| s.concerns(at_drive)).collect();
             let mut values = if stages.is_empty() {
-                sample(dense, grid, time_s, 0.0)
+                sample(&dense, grid, time_s, ahead_s)
             } else {
-                let mut dense = dense.to_vec();
+                let mut dense = dense.into_owned();
                 stages.iter().for_each(|stage| stage.apply(&mut dense, grid.step_s));
-                sample(&dense, grid, time_s, 0.0)
+                sample(&dense, grid, time_s, ahead_s)
             };
-            if per_travel != 1.0 {
-                values.iter_mut().for_each(|angle| *angle *= per_travel);
+            if scale != 1.0 {
+                values.iter_mut().for_each(|value| *value *= scale);
             }
             outputs.push(Signal { channel: channel.clone(), values });
         }
@@ -359,6 +375,7 @@ impl Model for RobotModel {
     fn effects(&self, seen: &Excitation) -> Vec<EffectCard> {
         let of = |joint: &Joint| {
             let cards = joint.model.effects(&joint.seen(seen)).into_iter();
+            let cards = cards.filter(|card| !joint.refuses(&card.id));
             let place = joint.name.clone();
             cards
                 .map(move |card| EffectCard { id: format!("{place}/{}", card.id), ..card })

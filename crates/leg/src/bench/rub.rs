@@ -1,12 +1,67 @@
-//! Dry friction of all joints' rotors over a step, each found with the others acting.
+//! Dry friction in and at all joints over a step, each found with the others acting: on rotors, in springs that slip, and at
+//! the joints themselves.
 
 use super::simulate::{Machine, State};
-use sealegs_actuator::plant::{Laws, MOST_PRESLIDING, Sliding, Slip};
+use sealegs_actuator::plant::{ElastoSlip, Laws, MOST_PRESLIDING, Plant, Sliding, Slip};
 
-/// Sweeps over the joints' frictions; two joints need about ten.
+/// Sweeps over the frictions; two joints need about ten.
 const MOST_SWEEPS: usize = 60;
 
-/// What friction remembers of a joint.
+/// Where a dry force acts: on a coordinate, against another one or the link before.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    joint: usize,
+    part: Part,
+    on: usize,
+    against: Option<usize>,
+}
+
+/// What of a joint rubs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Rotor,
+    Spring,
+    Output,
+}
+
+impl Place {
+    /// All places of some drives, whose rotors have the coordinates `rotor`.
+    pub fn of(drives: &[Plant], rotor: &[usize]) -> Vec<Self> {
+        let mut places = Vec::new();
+        for (joint, (plant, c)) in drives.iter().zip(rotor).enumerate() {
+            let laws = &plant.laws;
+            let parts = [
+                (Part::Rotor, laws.rubs_at_rotor(), *c, None),
+                (Part::Spring, laws.spring_slip.is_some() && *c != joint, *c, Some(joint)),
+                (Part::Output, plant.output_friction > 0.0, joint, None),
+            ];
+            let acting = parts.into_iter().filter(|(_, acts, ..)| *acts);
+            places.extend(acting.map(|(part, _, on, against)| Self { joint, part, on, against }));
+        }
+        places
+    }
+
+    /// The motion of this place, out of that of all coordinates.
+    fn of_all(&self, all: &[f64]) -> f64 {
+        all[self.on] - self.against.map_or(0.0, |i| all[i])
+    }
+
+    /// Whether a force here holds a coordinate against the link before.
+    pub fn holds(&self, coordinate: usize) -> bool {
+        self.on == coordinate && self.against.is_none()
+    }
+
+    /// The elastic elements here.
+    fn elements<'a>(&self, laws: &'a Laws) -> &'a [ElastoSlip] {
+        match self.part {
+            Part::Rotor => &laws.rotor_presliding,
+            Part::Spring => laws.spring_slip.as_slice(),
+            Part::Output => &[],
+        }
+    }
+}
+
+/// What friction remembers of a place.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Rubbed {
     dry: f64,
@@ -21,9 +76,9 @@ impl Rubbed {
         self.elastic.iter().sum()
     }
 
-    /// After the rotor has travelled so far, rad.
-    pub fn advance(&mut self, laws: &Laws, travel: f64) {
-        for (force, element) in self.presliding.iter_mut().zip(&laws.rotor_presliding) {
+    /// After the place has travelled so far, rad.
+    fn advance(&mut self, elements: &[ElastoSlip], travel: f64) {
+        for (force, element) in self.presliding.iter_mut().zip(elements) {
             *force = element.advance(*force, travel);
         }
         self.heat -= self.dry * travel;
@@ -31,20 +86,17 @@ impl Rubbed {
 }
 
 impl Machine {
-    /// Finds the frictions of all joints' rotors over a step, and leaves as `load` what then passes to the links.
+    /// Finds all frictions over a step, and leaves as `load` what then passes from each drive to the links.
     pub(super) fn rub(&self, now: &mut State, h: f64) {
         now.friction.fill(0.0);
         self.transmit(now);
         for _ in 0..MOST_SWEEPS {
             let mut change = 0.0_f64;
-            for (i, plant) in self.drives.iter().enumerate() {
-                if plant.laws.rotor_friction.is_empty() && plant.laws.rotor_presliding.is_empty() {
-                    continue;
-                }
-                let before = now.friction[i];
-                let after = self.rubbing(now, i, h);
+            for n in 0..self.places.len() {
+                let before = now.friction[n];
+                let after = self.rubbing(now, n, h);
                 change = change.max((after - before).abs() / (after.abs() + before.abs()).max(1e-12));
-                now.friction[i] = after;
+                now.friction[n] = after;
             }
             if change > 0.0 {
                 self.transmit(now);
@@ -55,36 +107,49 @@ impl Machine {
         }
     }
 
-    /// The friction of a joint's rotor over a step, N m, with those of the others as they are.
-    fn rubbing(&self, now: &mut State, i: usize, h: f64) -> f64 {
-        let (c, laws) = (self.rotor[i], &self.drives[i].laws);
-        let (mobility, v) = (h * now.matrix[(c, c)], now.v[c]);
-        let beside = self.rotor.iter().zip(&now.friction).filter(|(other, _)| **other != c);
-        let others: f64 = beside.map(|(other, friction)| now.matrix[(c, *other)] * friction).sum();
-        let after_free = v + h * (now.free[c] + others);
+    /// The friction at a place over a step, N m, with those of the others as they are.
+    fn rubbing(&self, now: &mut State, n: usize, h: f64) -> f64 {
+        let place = &self.places[n];
+        let (i, c) = (place.joint, place.on);
+        let plant = &self.drives[i];
+        let (mobility, v) = (h * self.yielding(now, place, place), place.of_all(&now.v));
+        let beside = self.places.iter().zip(&now.friction).enumerate().filter(|(other, _)| *other != n);
+        let others: f64 =
+            beside.map(|(_, (other, friction))| self.yielding(now, place, other) * friction).sum();
+        let after_free = v + h * (place.of_all(now.free.as_slice()) + others);
         let (position, load, warmer_k) = (now.mid_q[c], now.load[i], now.warmer_k[i]);
-        let of = &mut now.rubbed[i];
-        for (k, element) in laws.rotor_presliding.iter().enumerate() {
+        let of = &mut now.rubbed[n];
+        for (k, element) in place.elements(&plant.laws).iter().enumerate() {
             let beside = of.dry + of.elastic() - of.elastic[k];
             let travel = 0.5 * h * (v + after_free + mobility * beside);
             of.elastic[k] = -element.mean_force(of.presliding[k], travel, 0.5 * h * mobility);
         }
-        if !laws.rotor_friction.is_empty() {
-            let sliding = Sliding { before: v, after_free: after_free + mobility * of.elastic(), mobility };
-            let heat = of.heat;
-            of.dry = sliding.mean_force(|speed, direction| {
-                laws.rotor_friction_bound(&Slip { position, speed, direction, load, heat, warmer_k })
-            });
-        }
+        let sliding = Sliding { before: v, after_free: after_free + mobility * of.elastic(), mobility };
+        let heat = of.heat;
+        of.dry = match place.part {
+            Part::Rotor if !plant.laws.rotor_friction.is_empty() => sliding.mean_force(|speed, direction| {
+                plant.laws.rotor_friction_bound(&Slip { position, speed, direction, load, heat, warmer_k })
+            }),
+            Part::Output => sliding.mean_force(|_, _| plant.output_friction),
+            _ => 0.0,
+        };
         of.dry + of.elastic()
+    }
+
+    /// The acceleration at a place per force at another one, with the inverse of the matrix in place.
+    fn yielding(&self, now: &State, at: &Place, by: &Place) -> f64 {
+        let of = |row: usize| now.matrix[(row, by.on)] - by.against.map_or(0.0, |i| now.matrix[(row, i)]);
+        of(at.on) - at.against.map_or(0.0, of)
     }
 
     /// Writes the accelerations under the frictions as they are, rad/s^2, and what passes from each drive to the links, N m.
     fn transmit(&self, now: &mut State) {
-        for i in 0..now.q.len() {
-            let pushed =
-                self.rotor.iter().zip(&now.friction).map(|(c, friction)| now.matrix[(i, *c)] * friction);
-            now.accelerated[i] = now.free[i] + pushed.sum::<f64>();
+        now.accelerated.copy_from_slice(now.free.as_slice());
+        for (place, friction) in self.places.iter().zip(&now.friction) {
+            for (i, a) in now.accelerated.iter_mut().enumerate() {
+                let by = |column: usize| now.matrix[(i, column)] * friction;
+                *a += by(place.on) - place.against.map_or(0.0, by);
+            }
         }
         let (by, mass) = (&now.accelerated, &now.equations.mass);
         for (i, c) in self.rotor.iter().enumerate() {
@@ -93,6 +158,19 @@ impl Machine {
             } else {
                 now.passed[i].explicit + now.passed[i].implicit * (by[*c] - by[i])
             };
+        }
+        for (place, friction) in self.places.iter().zip(&now.friction) {
+            if place.part == Part::Spring {
+                now.load[place.joint] -= friction;
+            }
+        }
+    }
+
+    /// Lets the frictions remember a step in which the coordinates `travelled`.
+    pub(super) fn remember(&self, now: &mut State) {
+        for (place, rubbed) in self.places.iter().zip(&mut now.rubbed) {
+            let elements = place.elements(&self.drives[place.joint].laws);
+            rubbed.advance(elements, place.of_all(&now.travelled));
         }
     }
 }

@@ -4,11 +4,11 @@
 //! yielding transmission implicitly, and dry friction joint after joint until none changes what the others see: of second
 //! order where nothing slips or sticks.
 //!
-//! A rotor whose transmission yields or has play has a coordinate of its own behind those of the joints; all others move with
-//! their joints.
+//! A rotor behind a spring, or whose transmission yields or has play, has a coordinate of its own behind those of the joints;
+//! all others move with their joints.
 
 use super::observed::Pulls;
-use super::rub::Rubbed;
+use super::rub::{Place, Rubbed};
 use super::tree::{Equations, Tree};
 use nalgebra::{DMatrix, DVector};
 use sealegs_actuator::plant::{Feed, Grid, Loop, Past, Plant, SpringStep};
@@ -19,8 +19,12 @@ pub(super) struct Machine {
     pub tree: Tree,
     /// Joint by joint.
     pub drives: Vec<Plant>,
-    /// The coordinate of each joint's rotor: the joint's own, unless its transmission yields.
+    /// Viscous damping of each joint itself, behind its drive's spring, N m s/rad.
+    pub damping: Vec<f64>,
+    /// The coordinate of each joint's rotor: the joint's own, unless a spring or a transmission that yields is between.
     pub rotor: Vec<usize>,
+    /// Where dry friction acts.
+    pub places: Vec<Place>,
 }
 
 /// Motion and torques of one joint at the points of a grid.
@@ -32,7 +36,7 @@ pub(super) struct JointTrace {
     rotor: (Vec<f64>, Vec<f64>),
     /// Motor torque over the step that ends at the point, N m.
     pub motor: Vec<f64>,
-    /// Torque that passes from the drive to the links, N m.
+    /// Torque that passes from the drive to the links over the step that ends at the point, N m.
     pub load: Vec<f64>,
     /// Torque of the observer's pull over the step that ends at the point, N m; 0 without an observer.
     pub pulled: Vec<f64>,
@@ -64,6 +68,11 @@ impl JointTrace {
         if self.rotor.0.is_empty() { &self.position } else { &self.rotor.0 }
     }
 
+    /// By how much the rotor is ahead of the joint, rad.
+    pub fn deflection(&self) -> Vec<f64> {
+        self.rotor_position().iter().zip(&self.position).map(|(rotor, joint)| rotor - joint).collect()
+    }
+
     /// Its rate, rad/s.
     pub fn rotor_speed(&self) -> &[f64] {
         if self.rotor.1.is_empty() { &self.speed } else { &self.rotor.1 }
@@ -81,7 +90,7 @@ pub(super) struct Course<'a> {
     pub grid: Grid,
 }
 
-/// What passes a yielding transmission over a step, N m: the part that does not depend on the step's accelerations, and its
+/// What passes a spring or a yielding transmission over a step, N m: the part that does not depend on the step's accelerations, and its
 /// change with the acceleration of the rotor against the joint.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Passed {
@@ -102,7 +111,7 @@ pub(super) struct State {
     /// Positions and speeds in the middle of the step.
     pub mid_q: Vec<f64>,
     mid_v: Vec<f64>,
-    travelled: Vec<f64>,
+    pub travelled: Vec<f64>,
     /// Mass matrix and bias forces of the joints.
     pub equations: Equations,
     /// The matrix of the accelerations with all that is implicit; its inverse once the forces are known.
@@ -115,11 +124,11 @@ pub(super) struct State {
     motor: Vec<f64>,
     pub load: Vec<f64>,
     pulled: Vec<f64>,
-    /// Through the transmissions that yield.
+    /// Through springs and transmissions that yield.
     pub passed: Vec<Passed>,
     pub warmer_k: Vec<f64>,
     loops: Vec<Loop>,
-    /// Dry friction on the rotors, N m, and what it remembers.
+    /// Dry friction, N m, and what it remembers, place by place.
     pub friction: Vec<f64>,
     pub rubbed: Vec<Rubbed>,
 }
@@ -156,8 +165,8 @@ impl State {
             passed: vec![Passed::default(); n],
             warmer_k: vec![0.0; n],
             loops: vec![Loop::default(); n],
-            friction: vec![0.0; n],
-            rubbed: vec![Rubbed::default(); n],
+            friction: vec![0.0; machine.places.len()],
+            rubbed: vec![Rubbed::default(); machine.places.len()],
             q,
             v,
         }
@@ -165,12 +174,14 @@ impl State {
 }
 
 impl Machine {
-    /// A robot with drives on its joints.
-    pub fn new(tree: Tree, drives: Vec<Plant>) -> Self {
+    /// A robot with drives on its joints, and the viscous damping of the joints themselves.
+    pub fn new(tree: Tree, drives: Vec<Plant>, damping: Vec<f64>) -> Self {
         let n = drives.len();
-        let parted = |i: usize| drives[..i].iter().filter(|d| d.is_parted()).count();
-        let rotor = (0..n).map(|i| if drives[i].is_parted() { n + parted(i) } else { i }).collect();
-        Self { tree, drives, rotor }
+        let parted = |i: usize| drives[..i].iter().filter(|d| d.rigid.is_none()).count();
+        let rotor: Vec<usize> =
+            (0..n).map(|i| if drives[i].rigid.is_none() { n + parted(i) } else { i }).collect();
+        let places = Place::of(&drives, &rotor);
+        Self { tree, drives, damping, rotor, places }
     }
 
     /// The motion over a run; `names` are the joints'.
@@ -211,6 +222,10 @@ impl Machine {
             self.rub(&mut now, course.grid.step_s);
             self.advance(&mut now, course.grid.step_s);
         }
+        // No step ends at the first point: what acts over the one that begins there.
+        for trace in traces.iter_mut().filter(|trace| trace.load.len() > 1) {
+            (trace.motor[0], trace.load[0]) = (trace.motor[1], trace.load[1]);
+        }
         Ok(traces)
     }
 
@@ -249,14 +264,16 @@ impl Machine {
             let outside: f64 = plant.output_forces.iter().map(|f| f.force(q[i], v[i], load, t)).sum();
             now.force[c] += torque + 0.5 * h * slope * now.a[c] + plant.laws.rotor_force(q[c], v[c], load, t)
                 - plant.damping * now.v[c];
-            now.force[i] += outside - now.equations.bias[i];
+            now.force[i] += outside - now.equations.bias[i] - self.damping[i] * now.v[i];
+            now.matrix[(i, i)] += 0.5 * h * self.damping[i];
             if c != i {
                 let over = (now.q[c] - now.q[i], now.v[c] - now.v[i], now.a[c] - now.a[i]);
                 let passed = pass(plant, over, h, course.grid.time(step));
                 now.force[c] -= passed.explicit;
                 now.force[i] += passed.explicit;
+                // A mass that the spring carries moves by what it yields.
                 for (row, column, sign) in [(i, i, 1.0), (c, c, 1.0), (i, c, -1.0), (c, i, -1.0)] {
-                    now.matrix[(row, column)] += sign * passed.implicit;
+                    now.matrix[(row, column)] += sign * (passed.implicit + plant.sprung_mass);
                 }
                 now.passed[i] = passed;
             }
@@ -280,7 +297,7 @@ impl Machine {
             let mut after = now.v[i] + h * accelerated;
             // What rounding leaves of a speed that friction has just stopped is not a motion.
             let rubbed =
-                self.rotor.iter().zip(&now.friction).any(|(c, friction)| *c == i && *friction != 0.0);
+                self.places.iter().zip(&now.friction).any(|(place, by)| place.holds(i) && *by != 0.0);
             if rubbed && after.abs() <= 1e-11 * size {
                 after = 0.0;
             }
@@ -290,9 +307,7 @@ impl Machine {
             now.q[i] += now.travelled[i];
             now.v[i] = after;
         }
-        for (i, plant) in self.drives.iter().enumerate() {
-            now.rubbed[i].advance(&plant.laws, now.travelled[self.rotor[i]]);
-        }
+        self.remember(now);
     }
 
     /// An entry of the mass matrix of the joints with the reflected inertia of the drives that move with them, kg m^2.
