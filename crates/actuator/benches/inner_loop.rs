@@ -42,7 +42,16 @@ fn benches(criterion: &mut Criterion) {
     let record = record();
     let channels = ["force_1_n", "force_2_n", "motor_angle_rad"].map(str::to_owned);
     let seen = seen(&channels);
-    let together: [&[&str]; 3] = [&[], &["coulomb-friction"], &["stribeck-friction", "torque-ripple"]];
+    // The last ones are what a search tries on a rig that nothing explains.
+    let together: [&[&str]; 7] = [
+        &[],
+        &["coulomb-friction"],
+        &["stribeck-friction", "torque-ripple"],
+        &["dahl-friction", "torque-ripple"],
+        &["presliding-friction", "torque-ripple"],
+        &["direction-dependent-friction", "warming-friction", "torque-ripple"],
+        &["coulomb-friction", "dahl-friction", "torque-ripple", "structural-mode"],
+    ];
     for bench in [Bench::Locked, Bench::Pendulum(PendulumRig::default())] {
         let spec = ActuatorSpec::preset("thor-linear").expect("a preset");
         let base = BenchModel::new(spec, bench).expect("a good file");

@@ -1,4 +1,4 @@
-//! Drives without a spring, each at a joint of its own: a rigid drive on a bench, or a robot with its drives.
+//! Drives, each at a joint of its own: one without a spring on a bench, or a robot with its drives, whose springs are left out.
 //!
 //! A bench is a robot of one joint. Its drive's numbers are those of the drive's own coordinate `y` (the output of a rotary
 //! drive, the travel of a linear one); a lever turns them into those of the joint, `y = arm angle`.
@@ -35,6 +35,8 @@ pub struct DrivenJoint {
     pub command: Command,
     /// Travel of the drive per motion of the joint: 1, or a lever's arm in m.
     pub arm: f64,
+    /// Whether a series spring is between rotor and link, which is left out.
+    pub sprung: bool,
     /// What its sensors show: the channel on the drive's own bench, and its name here.
     pub channels: Vec<(String, String)>,
 }
@@ -98,7 +100,7 @@ impl DrivenRobot {
             name: "bench".to_owned(),
             title: model.name(),
             robot: bench_robot(name, slides, plant.rigid.unwrap_or(plant.link_2)),
-            joints: vec![DrivenJoint { name: name.to_owned(), drive, command, arm, channels }],
+            joints: vec![DrivenJoint { name: name.to_owned(), drive, command, arm, sprung: false, channels }],
             gravity_m_s2: GRAVITY_M_S2,
             starts: starts.into_iter().collect(),
             is_bench: true,
@@ -121,7 +123,8 @@ impl DrivenRobot {
                 BenchDescription::of_plant(joint.drive, &joint.values, &plant, &joint.command, Output::Held);
             let channels = joint.channels.iter().map(|(at, here)| ((*at).to_owned(), here.clone())).collect();
             let name = joint.name.to_owned();
-            joints.push(DrivenJoint { name, drive, command: command_of(&plant), arm: 1.0, channels });
+            let (command, sprung) = (command_of(&plant), !joint.drive.spec().is_rigid());
+            joints.push(DrivenJoint { name, drive, command, arm: 1.0, sprung, channels });
         }
         if let Some(first) = joints.first_mut() {
             first.drive.sensors = model.sensors();

@@ -7,8 +7,8 @@
 //! # Where a run begins
 //!
 //! A model starts at rest with its spring relaxed. A drive without a spring has no such place: its run begins where its
-//! log does. [`RunSetup::of_record`] takes position and speed from the log's first rows, by a parabola through at least
-//! eight of them or 20 ms. They are nuisances of the run, not fitted: what is wrong of a position is the bias of the
+//! log does. [`RunSetup::of_record`] takes position and speed from the log's first rows, see
+//! [`start_of`]. They are nuisances of the run, not fitted: what is wrong of a position is the bias of the
 //! sensor that showed it, and a speed is forgotten within the drive's mechanical time constant. A model knows its runs
 //! by their records' names.
 
@@ -22,14 +22,16 @@ mod pendulum;
 mod run;
 mod sensor;
 mod signature;
+mod start;
 
 pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE};
 pub use fed::{Fed, command_times};
 pub use kind::Bench;
 pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
-pub use run::{RunSetup, start_of};
+pub use run::RunSetup;
 pub use sensor::{Recording, Sensor, record};
+pub use start::start_of;
 
 use crate::effect::{CATALOGUE, Effect, OwnEffect, Setting, embedded, ids};
 use crate::plant::{Grid, Plant, Trace};

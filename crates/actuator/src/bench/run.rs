@@ -1,6 +1,6 @@
 //! What one run of a campaign has of its own: its rig, where it begins, its servo's gain.
 
-use super::Bench;
+use super::{Bench, start_of};
 use crate::ActuatorSpec;
 use sealegs_model::Record;
 
@@ -16,10 +16,6 @@ pub struct RunSetup {
     /// Factor of the servo's proportional gain.
     pub servo_gain: f64,
 }
-
-/// Fewest rows and least time (s) through which the parabola at a run's beginning goes.
-const FIRST_ROWS: usize = 8;
-const FIRST_S: f64 = 0.02;
 
 impl RunSetup {
     /// A run on a bench whose start is taken from its record.
@@ -42,59 +38,6 @@ impl RunSetup {
         };
         Self { record: record.name.clone(), bench, start, servo_gain }
     }
-}
-
-/// Value and slope at the first row of a signal, by a parabola through its first rows.
-#[must_use]
-pub fn start_of(time_s: &[f64], values: &[f64]) -> (f64, f64) {
-    let rows = first_rows(time_s);
-    parabola_at_start(&time_s[..rows], &values[..rows])
-}
-
-/// How many rows count for the start.
-fn first_rows(time_s: &[f64]) -> usize {
-    let within = time_s.iter().take_while(|t| *t - time_s[0] <= FIRST_S).count();
-    within.max(FIRST_ROWS).min(time_s.len())
-}
-
-/// Value and slope at the first time stamp of the parabola that fits the rows best, least squares.
-fn parabola_at_start(time_s: &[f64], values: &[f64]) -> (f64, f64) {
-    let Some((&start, &span)) = time_s.first().zip(time_s.last()) else { return (0.0, 0.0) };
-    let span = span - start;
-    if time_s.len() < 3 || span <= 0.0 {
-        return (values.first().copied().unwrap_or(0.0), 0.0);
-    }
-    // Legendre's polynomials are nearly orthogonal over even rows, so that the normal equations stay well conditioned.
-    let basis = |t: f64| {
-        let u = 2.0 * (t - start) / span - 1.0;
-        [1.0, u, 1.5 * u * u - 0.5]
-    };
-    let (mut a, mut b) = ([[0.0; 3]; 3], [0.0; 3]);
-    for (t, value) in time_s.iter().zip(values) {
-        let row = basis(*t);
-        for i in 0..3 {
-            b[i] += row[i] * (value - values[0]);
-            for j in 0..3 {
-                a[i][j] += row[i] * row[j];
-            }
-        }
-    }
-    for column in 0..3 {
-        for below in column + 1..3 {
-            let factor = a[below][column] / a[column][column];
-            for j in column..3 {
-                a[below][j] -= factor * a[column][j];
-            }
-            b[below] -= factor * b[column];
-        }
-    }
-    let mut c = [0.0; 3];
-    for i in (0..3).rev() {
-        let known: f64 = (i + 1..3).map(|j| a[i][j] * c[j]).sum();
-        c[i] = (b[i] - known) / a[i][i];
-    }
-    // At u = -1 the polynomials are 1, -1, 1 and their slopes 0, 1, -3.
-    (values[0] + c[0] - c[1] + c[2], (c[1] - 3.0 * c[2]) * 2.0 / span)
 }
 
 #[cfg(test)]

@@ -120,13 +120,22 @@ pub struct ElastoSlip {
 /// Most steps of Newton's method towards a travel: it settles within ten.
 const MOST_STEPS: usize = 60;
 
+/// Relative step of Newton's method whose square is below rounding.
+const NEARLY: f64 = 1e-8;
+
 /// Below this the exponential's mean is taken from its series, whose next term is below its rounding.
-const SMALL: f64 = 1e-4;
+const SMALL: f64 = 0.03;
+
+/// The series of the mean of `exp(-x)` from 0 to `x`: `(-1)^n / (n + 1)!`.
+const MEAN_DECAY: [f64; 8] =
+    [1.0, -1.0 / 2.0, 1.0 / 6.0, -1.0 / 24.0, 1.0 / 120.0, -1.0 / 720.0, 1.0 / 5040.0, -1.0 / 40320.0];
 
 /// The mean of `exp(-x)` from 0 to `x`, and its slope.
+#[inline]
 fn mean_decay(x: f64) -> (f64, f64) {
     if x < SMALL {
-        return (1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)), -0.5 + x * (1.0 / 3.0 - x / 8.0));
+        // Horner's scheme for both.
+        return MEAN_DECAY.iter().rev().fold((0.0, 0.0), |(sum, slope), c| (sum * x + c, slope * x + sum));
     }
     let lost = -(-x).exp_m1();
     (lost / x, ((1.0 - lost) * x - lost) / (x * x))
@@ -139,8 +148,8 @@ impl ElastoSlip {
         match self.onset {
             Onset::Sudden => (f + self.stiffness * step).clamp(-self.bound, self.bound),
             Onset::Gradual => {
-                let end = self.bound * step.signum();
-                f + (f - end) * (-self.stiffness * step.abs() / self.bound).exp_m1()
+                let (end, x) = (self.bound * step.signum(), self.stiffness * step.abs() / self.bound);
+                f - (f - end) * x * mean_decay(x).0
             }
         }
     }
@@ -160,7 +169,8 @@ impl ElastoSlip {
     }
 
     /// Of the travel `a >= 0` in the direction of the push, `a - push + softness (mean force) = 0` is increasing and
-    /// concave: Newton's method comes from below and never passes it.
+    /// concave: Newton's method comes from below and never passes it. Each step squares the error, so that the one after a step of
+    /// [`NEARLY`] of the travel is below rounding, and the mean force follows it along its slope.
     fn gradual_mean(&self, f: f64, free: f64, softness: f64) -> f64 {
         let direction = (free - softness * f).signum();
         let (f, free, per_travel) = (f * direction, free * direction, self.stiffness / self.bound);
@@ -169,12 +179,14 @@ impl ElastoSlip {
         for _ in 0..MOST_STEPS {
             let (share, slope) = mean_decay(per_travel * travel);
             mean = self.bound + (f - self.bound) * share;
-            let excess = travel - free + softness * mean;
-            let step = -excess / (1.0 + softness * (f - self.bound) * slope * per_travel);
-            travel = (travel + step).max(0.0);
-            if step.abs() <= 1e-15 * travel {
+            let mean_slope = (f - self.bound) * slope * per_travel;
+            let step = (free - travel - softness * mean) / (1.0 + softness * mean_slope);
+            let after = (travel + step).max(0.0);
+            if (after - travel).abs() <= NEARLY * after {
+                mean += mean_slope * (after - travel);
                 break;
             }
+            travel = after;
         }
         direction * mean
     }
@@ -196,6 +208,18 @@ mod tests {
         assert!((parts - whole).abs() < 1e-12);
         assert_eq!(GRADUAL.advance(7.0, 0.0), 7.0);
         assert!(GRADUAL.advance(29.9, 1.0) <= 30.0 && GRADUAL.advance(0.0, -1.0) >= -30.0);
+    }
+
+    #[test]
+    fn analytic_series_of_the_mean_meets_the_exponential() {
+        for x in [0.01, 0.02999, 0.03] {
+            let (mean, slope) = mean_decay(x);
+            let (lost, h) = (-(-x).exp_m1(), 1e-4);
+            let at = |x: f64| -(-x).exp_m1() / x;
+            assert!((mean - lost / x).abs() < 1e-15, "{x} {mean}");
+            assert!((slope - (at(x + h) - at(x - h)) / (2.0 * h)).abs() < 1e-9, "{x} {slope}");
+        }
+        assert_eq!(mean_decay(0.0), (1.0, -0.5));
     }
 
     #[test]

@@ -106,7 +106,12 @@ impl<const N: usize> Stepper<'_, N> {
                     }
                     load = self.load(from, &after);
                 }
-                if sweep > 0 && friction.settled_since(&before) {
+                // The one elastic element has felt the dry frictions as they are.
+                let felt = presliding.len() == 1
+                    && friction.dry == before.dry
+                    && friction.on_output == before.on_output
+                    && !self.bound_feels.1;
+                if sweep > 0 && (felt || friction.settled_since(&before)) {
                     break;
                 }
             }

@@ -1,0 +1,165 @@
+//! Position and speed at the beginning of a log: a cubic through as many of its first rows as agree on the speed.
+//!
+//! A long cubic averages noise, a short one follows the motion. The window grows as long as the confidence intervals of all its
+//! speeds intersect (A. Goldenshluger and A. Nemirovski 1997, Mathematical Methods of Statistics 6(2)): the noise, not the motion,
+//! is then what they differ by.
+
+use nalgebra::{SMatrix, SVector};
+use std::ops::Range;
+
+/// Fewest rows and least time (s) of a polynomial.
+const FIRST_ROWS: usize = 8;
+const FIRST_S: f64 = 0.02;
+
+/// Longest time, s: a link of 1 Hz has gone half of its swing.
+const LONGEST_S: f64 = 0.5;
+
+/// Ratio of one window to the one before.
+const GROWTH: f64 = 1.25;
+
+/// Half width of a speed's confidence interval, in standard errors: 95 %.
+const STANDARD_ERRORS: f64 = 2.0;
+
+/// Fewest rows from which the noise is estimated; with fewer the shortest parabola is taken.
+const NOISE_ROWS: usize = 24;
+
+/// A polynomial at its first row.
+#[derive(Clone, Copy)]
+struct Start {
+    value: f64,
+    slope: f64,
+    /// Standard error of the slope per standard deviation of the rows.
+    slope_error: f64,
+}
+
+/// Value and slope at the first row of a signal.
+#[must_use]
+pub fn start_of(time_s: &[f64], values: &[f64]) -> (f64, f64) {
+    let within = |longest: f64| time_s.iter().take_while(|t| *t - time_s[0] <= longest).count();
+    let first = within(FIRST_S).max(FIRST_ROWS).min(time_s.len());
+    let last = within(LONGEST_S).max(first);
+    let found = if last < NOISE_ROWS {
+        polynomial::<3>(&time_s[..first], &values[..first])
+    } else {
+        let noise = noise_of(&values[..last]);
+        longest(|rows| polynomial::<4>(&time_s[..rows], &values[..rows]), first..last + 1, noise)
+    };
+    found.map_or((values.first().copied().unwrap_or(0.0), 0.0), |start| (start.value, start.slope))
+}
+
+/// The polynomial through the most rows, of a range of their number, whose speed agrees with those of all shorter ones.
+fn longest(of: impl Fn(usize) -> Option<Start>, rows: Range<usize>, noise: f64) -> Option<Start> {
+    let windows = std::iter::successors(Some(rows.start as f64), |rows| Some(GROWTH * rows));
+    let windows = windows.map(|rows| rows as usize).take_while(|n| rows.contains(n));
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let agrees = |start: &Start| {
+        let half = STANDARD_ERRORS * noise * start.slope_error;
+        (low, high) = (low.max(start.slope - half), high.min(start.slope + half));
+        low <= high
+    };
+    windows.map_while(of).take_while(agrees).last()
+}
+
+/// Standard deviation of white noise in a signal that is smooth beside: from sixth differences.
+fn noise_of(values: &[f64]) -> f64 {
+    const BINOMIAL: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+    let power: f64 = BINOMIAL.iter().map(|b| b * b).sum();
+    let differences = values.windows(7).map(|w| w.iter().zip(BINOMIAL).map(|(v, b)| v * b).sum::<f64>());
+    (differences.map(|d| d * d).sum::<f64>() / (power * (values.len() - 6) as f64)).sqrt()
+}
+
+/// The polynomial of `N` coefficients that fits the rows best, least squares; `None` for fewer rows, or where time stands still.
+fn polynomial<const N: usize>(time_s: &[f64], values: &[f64]) -> Option<Start> {
+    let rows = values.get(..time_s.len()).filter(|rows| rows.len() >= N)?;
+    let (start, span) = (time_s[0], time_s[rows.len() - 1] - time_s[0]);
+    // Legendre's polynomials are nearly orthogonal over even rows, so that the normal equations stay well conditioned.
+    let basis = |t: f64| {
+        let u = 2.0 * (t - start) / span - 1.0;
+        let mut p = SVector::<f64, N>::repeat(1.0);
+        for n in 1..N {
+            let (k, before) = (n as f64, if n > 1 { p[n - 2] } else { 0.0 });
+            p[n] = ((2.0 * k - 1.0) * u * p[n - 1] - (k - 1.0) * before) / k;
+        }
+        p
+    };
+    let (mut normal, mut right) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
+    for (t, value) in time_s.iter().zip(rows) {
+        let row = basis(*t);
+        normal += row * row.transpose();
+        right += row * (value - rows[0]);
+    }
+    let factors = (span > 0.0).then(|| normal.cholesky())??;
+    // At u = -1 the polynomial of degree n is (-1)^n, and its slope (-1)^(n - 1) n (n + 1) / 2.
+    let sign = |n: usize| if n.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let first = SVector::<f64, N>::from_fn(|n, _| sign(n));
+    let slope = SVector::<f64, N>::from_fn(|n, _| -sign(n) * (n * (n + 1)) as f64 / span);
+    let c = factors.solve(&right);
+    Some(Start {
+        value: rows[0] + first.dot(&c),
+        slope: slope.dot(&c),
+        slope_error: slope.dot(&factors.solve(&slope)).sqrt(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A swing of 0.5 rad at 1 Hz in rows of 500 Hz, from a phase on, with even noise of a standard deviation.
+    fn swing(phase: f64, noise: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
+        let mut state = seed;
+        let mut even = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12.0_f64.sqrt()
+        };
+        let time_s: Vec<f64> = (0..600).map(|n| f64::from(n) * 2e-3).collect();
+        let at = |t: f64| 0.5 * (std::f64::consts::TAU * t + phase).sin();
+        let values = time_s.iter().map(|t| at(*t) + noise * even()).collect();
+        (time_s, values)
+    }
+
+    /// Root mean square error of the speed (rad/s) over phases, as found and by the shortest window.
+    fn errors(noise: f64) -> (f64, f64) {
+        let (mut found, mut shortest) = (0.0, 0.0);
+        for n in 0..100_u32 {
+            let phase = 0.1 * f64::from(n);
+            let (time_s, values) = swing(phase, noise, u64::from(n) + 1);
+            let truth = std::f64::consts::PI * phase.cos();
+            found += (start_of(&time_s, &values).1 - truth).powi(2);
+            shortest += (polynomial::<3>(&time_s[..11], &values[..11]).expect("rows").slope - truth).powi(2);
+        }
+        ((found / 100.0).sqrt(), (shortest / 100.0).sqrt())
+    }
+
+    #[test]
+    fn analytic_a_parabola_is_found_with_its_standard_error() {
+        let time_s: Vec<f64> =
+            (0..400).map(|i| 0.3 + f64::from(i) * 1e-3 + 1e-4 * f64::from(i % 3)).collect();
+        let values: Vec<f64> =
+            time_s.iter().map(|t| 0.2 + 0.7 * (t - 0.3) - 2.0 * (t - 0.3).powi(2)).collect();
+        let (x, v) = start_of(&time_s, &values);
+        assert!((x - 0.2).abs() < 1e-12 && (v - 0.7).abs() < 1e-9, "{x} {v}");
+        // Of many even rows over T the standard error of the first slope is sqrt(192 / N) / T.
+        let even: Vec<f64> = (0..400).map(|i| f64::from(i) * 1e-3).collect();
+        let error = polynomial::<3>(&even, &values).expect("rows").slope_error;
+        assert!((error / ((192.0_f64 / 400.0).sqrt() / 0.399) - 1.0).abs() < 0.02, "{error}");
+    }
+
+    #[test]
+    fn a_noisy_swing_is_averaged_and_a_clear_one_followed() {
+        let (found, shortest) = errors(3e-4);
+        assert!(found < 0.6 * shortest, "{found} {shortest}");
+        let (found, shortest) = errors(1e-7);
+        assert!(found < 0.1 * shortest && found < 2e-4, "{found} {shortest}");
+    }
+
+    #[test]
+    fn rest_is_rest_and_little_is_taken_as_it_is() {
+        let time_s: Vec<f64> = (0..100).map(|n| f64::from(n) * 0.01).collect();
+        assert_eq!(start_of(&time_s, &[0.25; 100]), (0.25, 0.0));
+        assert_eq!(start_of(&time_s[..2], &[1.0, 2.0]), (1.0, 0.0));
+        assert_eq!(start_of(&[], &[]), (0.0, 0.0));
+        let (x, v) = start_of(&time_s[..4], &[1.0, 1.1, 1.2, 1.3]);
+        assert!((x - 1.0).abs() < 1e-12 && (v - 10.0).abs() < 1e-9, "{x} {v}");
+    }
+}
