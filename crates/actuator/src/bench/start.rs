@@ -2,7 +2,8 @@
 //!
 //! A long cubic averages noise, a short one follows the motion. The window grows as long as the confidence intervals of all its
 //! speeds intersect (A. Goldenshluger and A. Nemirovski 1997, Mathematical Methods of Statistics 6(2)): the noise, not the motion,
-//! is then what they differ by.
+//! is then what they differ by. A speed that cannot be told from rest is rest: most logs begin there, and a free swing keeps what
+//! noise would make of it.
 
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
@@ -30,6 +31,8 @@ struct Start {
     slope: f64,
     /// Standard error of the slope per standard deviation of the rows.
     slope_error: f64,
+    /// Value of the polynomial that fits best of those that begin without a slope.
+    value_at_rest: f64,
 }
 
 /// Value and slope at the first row of a signal.
@@ -42,7 +45,12 @@ pub fn start_of(time_s: &[f64], values: &[f64]) -> (f64, f64) {
         polynomial::<3>(&time_s[..first], &values[..first])
     } else {
         let noise = noise_of(&values[..last]);
-        longest(|rows| polynomial::<4>(&time_s[..rows], &values[..rows]), first..last + 1, noise)
+        let found = longest(|rows| polynomial::<4>(&time_s[..rows], &values[..rows]), first..last + 1, noise);
+        let moves = |start: &Start| start.slope.abs() > STANDARD_ERRORS * noise * start.slope_error;
+        found.map(|start| match moves(&start) {
+            true => start,
+            false => Start { value: start.value_at_rest, slope: 0.0, ..start },
+        })
     };
     found.map_or((values.first().copied().unwrap_or(0.0), 0.0), |start| (start.value, start.slope))
 }
@@ -93,11 +101,14 @@ fn polynomial<const N: usize>(time_s: &[f64], values: &[f64]) -> Option<Start> {
     let sign = |n: usize| if n.is_multiple_of(2) { 1.0 } else { -1.0 };
     let first = SVector::<f64, N>::from_fn(|n, _| sign(n));
     let slope = SVector::<f64, N>::from_fn(|n, _| -sign(n) * (n * (n + 1)) as f64 / span);
-    let c = factors.solve(&right);
+    let (c, by_slope) = (factors.solve(&right), factors.solve(&slope));
+    let variance = slope.dot(&by_slope);
+    let (first_value, first_slope) = (rows[0] + first.dot(&c), slope.dot(&c));
     Some(Start {
-        value: rows[0] + first.dot(&c),
-        slope: slope.dot(&c),
-        slope_error: slope.dot(&factors.solve(&slope)).sqrt(),
+        value: first_value,
+        slope: first_slope,
+        slope_error: variance.sqrt(),
+        value_at_rest: first_value - first.dot(&by_slope) / variance * first_slope,
     })
 }
 
@@ -151,6 +162,22 @@ mod tests {
         assert!(found < 0.6 * shortest, "{found} {shortest}");
         let (found, shortest) = errors(1e-7);
         assert!(found < 0.1 * shortest && found < 2e-4, "{found} {shortest}");
+    }
+
+    #[test]
+    fn a_noisy_log_that_begins_at_rest_does() {
+        // Pushed by 10 rad/s^2 from the first row on, with the noise of [`swing`] at 0 rad.
+        let at_rest = (0..100_u64).filter(|seed| {
+            let (time_s, mut values) = swing(0.0, 3e-4, *seed);
+            let clear = swing(0.0, 0.0, *seed).1;
+            for ((v, c), t) in values.iter_mut().zip(clear).zip(&time_s) {
+                *v += 5.0 * t * t + 0.2 - c;
+            }
+            let (x, v) = start_of(&time_s, &values);
+            assert!((x - 0.2).abs() < 1e-3 && v.abs() < 0.1, "{x} {v}");
+            v == 0.0
+        });
+        assert!(at_rest.count() >= 80);
     }
 
     #[test]
