@@ -45,6 +45,12 @@ fn record(inputs: &[(&str, &dyn Fn(f64) -> f64)], outputs: &[(&str, f64)]) -> Re
     }
 }
 
+/// A robot for a record that begins at rest at the first row of each of its outputs, whatever the sensors show then.
+fn at_rest(model: RobotModel, record: &Record) -> RobotModel {
+    let start = record.outputs.iter().map(|angle| (angle.values[0], 0.0)).collect();
+    model.for_records(&[record]).with_start(&record.name, start)
+}
+
 /// The values of a model with those of its last parameters replaced.
 fn ending(model: &dyn Model, last: &[f64]) -> Vec<f64> {
     let mut all = values(model);
@@ -90,7 +96,7 @@ fn apart(
     columns: &[(&str, &str)],
 ) -> Vec<f64> {
     let folder = folder();
-    let mut arm = robot(folder.path(), ARM, drive).for_records(&[record]).with_step(step_s);
+    let mut arm = at_rest(robot(folder.path(), ARM, drive), record).with_step(step_s);
     let mut bench = on_bench(drive).with_step(2e-5);
     let at = bench_record(record, bench.spec());
     let setup = RunSetup::of_record(&at, bench.spec(), bench.bench(), 1.0);
@@ -138,7 +144,7 @@ fn reference_a_joint_under_a_voltage_with_supply_and_switch() {
     let plain = record(&[("hinge.position_rad", &goal)], &[("hinge.angle_rad", 0.0)]);
     let (a, b) = (folder(), folder());
     let moves = |at: &Path, record: &Record| {
-        let arm = robot(at, ARM, SERVO).for_records(&[record]);
+        let arm = at_rest(robot(at, ARM, SERVO), record);
         arm.predict(&values(&arm), record, &["hinge.angle_rad".to_owned()]).expect("finite").outputs
     };
     let parted = farthest(&moves(a.path(), &fed)[0].values, &moves(b.path(), &plain)[0].values);
@@ -194,6 +200,31 @@ fn reference_a_joint_with_a_series_spring_is_as_on_its_bench() {
         }
     }
     assert!(apart(SPRUNG, &currents, None, 2e-4, &columns)[0] < 1e-3);
+}
+
+#[test]
+fn reference_a_start_is_told_from_noisy_rows_under_torque() {
+    // Even noise of 0.3 mrad, by Knuth's linear congruence.
+    let mut state = 1_u64;
+    let mut noise = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        3e-4 * 12.0_f64.sqrt() * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
+    };
+    let torque = |t: f64| 1.2 * (4.0 * t).cos();
+    for (drive, start) in [(SPRUNG, (0.0, 0.0)), (TORQUE, (0.2, 1.5)), (TORQUE, (0.2, 0.0))] {
+        let mut seen = record(&[("hinge.torque_nm", &torque)], &[("hinge.angle_rad", 0.0)]);
+        let bench = on_bench(drive).with_step(2e-5);
+        let at = bench_record(&seen, bench.spec());
+        let setup = RunSetup { start, ..RunSetup::of_record(&at, bench.spec(), bench.bench(), 1.0) };
+        let bench = bench.with_runs(vec![setup]).expect("a rig");
+        let truth = bench.predict(&values(&bench), &at, &["joint_angle_rad".to_owned()]).expect("finite");
+        seen.outputs[0].values = truth.outputs[0].values.iter().map(|angle| angle + noise()).collect();
+        let folder = folder();
+        let arm = robot(folder.path(), ARM, drive).for_records(&[&seen]);
+        let (q, v) = arm.starts().next().expect("a start").1[0];
+        // Its first 20 ms tell the speed to 0.1 rad/s, 0.5 s without what the torque does to 0.03.
+        assert!((q - start.0).abs() < 3e-4 && (v - start.1).abs() < 5e-3, "{start:?} {q} {v}");
+    }
 }
 
 /// The textbook's double pendulum whose motors drive both joints by springs, in steps of 1 us; `gap` is the play of both.
@@ -255,7 +286,7 @@ fn reference_a_double_pendulum_with_soft_and_loose_joints() {
         &[("shoulder.angle_rad", 0.0), ("elbow.angle_rad", 0.0)],
     );
     let channels = ["shoulder.angle_rad", "elbow.angle_rad"].map(str::to_owned);
-    let mut soft = robot(folder.path(), TWO, TORQUE).for_records(&[&record]);
+    let mut soft = at_rest(robot(folder.path(), TWO, TORQUE), &record);
     let mut loose = soft.clone();
     for joint in ["shoulder", "elbow"] {
         let seen = Excitation::default();
@@ -281,7 +312,7 @@ fn a_soft_joint_without_damping_gains_no_energy() {
     let folder = folder();
     let drive = TORQUE.replace("rotor_damping_nm_s = 1e-3", "rotor_damping_nm_s = 0.0");
     let record = record(&[("hinge.torque_nm", &|_| 0.0)], &[("hinge.angle_rad", 1.0)]);
-    let arm = robot(folder.path(), ARM, &drive).for_records(&[&record]);
+    let arm = at_rest(robot(folder.path(), ARM, &drive), &record);
     for (id, last) in [("series-compliance", [30.0, 0.0]), ("backlash", [0.05, 200.0])] {
         let arm = arm.including(&format!("hinge/{id}"), &Excitation::default()).expect("offered");
         for step_s in [1e-3, 2e-4] {

@@ -12,8 +12,8 @@ use std::ops::Range;
 const FIRST_ROWS: usize = 8;
 const FIRST_S: f64 = 0.02;
 
-/// Longest time, s: a link of 1 Hz has gone half of its swing.
-const LONGEST_S: f64 = 0.5;
+/// Longest time of which a start is taken, s: a link of 1 Hz has gone half of its swing.
+pub const LONGEST_S: f64 = 0.5;
 
 /// Ratio of one window to the one before.
 const GROWTH: f64 = 1.25;

@@ -95,6 +95,13 @@ impl RobotModel {
         self.starts.iter().map(|(record, start)| (record.as_str(), start.as_slice()))
     }
 
+    /// The same with a record's runs beginning at this position and speed of every joint (rad and rad/s, m and m/s).
+    #[must_use]
+    pub fn with_start(mut self, record: &str, start: Vec<(f64, f64)>) -> Self {
+        self.starts.insert(record.to_owned(), start);
+        self
+    }
+
     /// The same with the start of one record alone, if it is known.
     #[must_use]
     pub fn starting_as(mut self, record: &Record) -> Self {

@@ -3,8 +3,11 @@
 use super::RobotModel;
 use super::joint::{Column, Joint};
 use crate::error::nearest;
-use sealegs_actuator::bench::start_of;
-use sealegs_model::Record;
+use sealegs_actuator::bench::{LONGEST_S, start_of};
+use sealegs_model::{Model, Record};
+
+/// Times that a start is corrected: the second one sees what the first has left of the torques' part.
+const CORRECTIONS: usize = 2;
 
 /// What a commanded torque does not feel of a drive.
 const UNFELT_BY_EFFORT: [&str; 2] = ["force_constant", "winding_resistance"];
@@ -22,6 +25,9 @@ impl RobotModel {
                 position.unwrap_or((0.0, speed.unwrap_or(0.0)))
             };
             self.starts.insert(record.name.clone(), self.joints.iter().map(of).collect());
+            for _ in 0..CORRECTIONS {
+                self.correct_start(record);
+            }
         }
         for joint in &self.joints {
             let input = |record: &&Record| joint.command_in(record).ok().flatten().map(|(input, _)| input);
@@ -33,6 +39,24 @@ impl RobotModel {
             }
         }
         self
+    }
+
+    /// Corrects a record's start by what its first rows show beside the motion that follows from it at the nominal values: the
+    /// torques account for most of the acceleration there, and what is left is slow, so that more rows tell the speed.
+    fn correct_start(&mut self, record: &Record) {
+        let first = record.beginning(LONGEST_S);
+        let places = self.joints.iter().map(|joint| joint.channel(Column::Position));
+        let measured: Vec<String> = places.filter(|place| record.output(place).is_some()).collect();
+        // What cannot be simulated is said when it is to be compared.
+        let Ok(predicted) = self.predict(&self.nominal(), &first, &measured) else { return };
+        let Some(start) = self.starts.get_mut(&record.name) else { return };
+        for (joint, at) in self.joints.iter().zip(start) {
+            let place = joint.channel(Column::Position);
+            let Some((seen, follows)) = first.output(&place).zip(predicted.output(&place)) else { continue };
+            let left: Vec<f64> = seen.iter().zip(follows).map(|(seen, follows)| seen - follows).collect();
+            let (position, speed) = start_of(&first.time_s, &left);
+            *at = (at.0 + position, at.1 + speed);
+        }
     }
 
     /// What keeps a record's column from commanding this robot, if anything does.

@@ -72,8 +72,10 @@ impl SensorPrior {
     #[must_use]
     pub fn of_channel(channel: &str, noise_std: f64, peak: f64) -> Self {
         let wide = (0.05 * peak).max(5.0 * noise_std);
+        // A robot's column has its joint before it.
+        let column = channel.rsplit_once('.').map_or(channel, |(_, column)| column);
         let gain_std = match channel {
-            "spring_torque_nm" => 0.1,
+            _ if column == "spring_torque_nm" => 0.1,
             // A length along a rail: a scale or a wire.
             "base.height_m" => 0.005,
             _ if channel.ends_with("_rad") || is_encoder(channel) => 0.0,
