@@ -260,7 +260,7 @@ fn a_robots_columns_and_files_are_refused_by_name() {
         (campaign(robot, "", "good.csv"), "'actuator' must name the drive"),
         (campaign("", drive, "good.csv"), "robot"),
         (campaign("robot = \"two.urdf\"", drive, "good.csv"), "two.urdf"),
-        (campaign(robot, "actuator = \"thor-linear\"", "good.csv"), "without a spring"),
+        (campaign(robot, "actuator = \"thor-linear\"", "good.csv"), "must be rotary"),
     ] {
         assert_eq!(said.0, Some(2), "{}", said.1);
         assert!(said.1.contains(part) && said.1.lines().count() == 1, "{part}: {}", said.1);

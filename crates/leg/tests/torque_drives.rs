@@ -24,20 +24,20 @@ fn torque(joint: usize, t: f64) -> f64 {
 }
 
 /// Three seconds that begin in motion.
+/// Angle (rad) and speed (rad/s) of both joints where the record begins.
+const START: [(f64, f64); 2] = [(0.4, -0.5), (-0.2, 1.0)];
+
 fn record() -> Record {
     let time_s: Vec<f64> = (0..1500).map(|n| f64::from(n) * 2e-3).collect();
     let column = |joint: usize| time_s.iter().map(|t| torque(joint, *t)).collect::<Vec<f64>>();
     let input = |name: &str, values| Signal { channel: name.to_owned(), values };
-    // The start: 0.4 rad at -0.5 rad/s, and -0.2 rad at 1 rad/s, on straight lines.
-    let line = |x: f64, v: f64| time_s.iter().map(|t| x + v * t).collect::<Vec<f64>>();
+    // The start on straight lines.
+    let line = |(x, v): (f64, f64)| time_s.iter().map(|t| x + v * t).collect::<Vec<f64>>();
     Record {
         name: "run".to_owned(),
         hold: InputHold::ZeroOrder,
         inputs: vec![input("shoulder.torque_nm", column(0)), input("elbow.torque_nm", column(1))],
-        outputs: vec![
-            input("shoulder.angle_rad", line(0.4, -0.5)),
-            input("elbow.angle_rad", line(-0.2, 1.0)),
-        ],
+        outputs: vec![input("shoulder.angle_rad", line(START[0])), input("elbow.angle_rad", line(START[1]))],
         time_s,
     }
 }
@@ -115,7 +115,7 @@ fn reference(coulomb: [f64; 2], offset: f64) -> [Vec<f64>; 2] {
 #[test]
 fn reference_a_double_pendulum_that_begins_in_motion() {
     let (folder, record) = (folder(), record());
-    let plain = model(folder.path()).for_records(&[&record]);
+    let plain = model(folder.path()).with_start("run", START.to_vec());
     let truth = reference([0.0; 2], 0.0);
     let error = |step_s: f64| {
         let model = plain.clone().with_step(step_s);
@@ -279,8 +279,11 @@ fn what_cannot_be_is_refused_with_a_hint() {
     let folder = folder();
     let refused = |file: RobotFile| RobotModel::new(file, &[]).expect_err("must be refused").to_string();
     let good = RobotFile::of_urdf("two.urdf", "drive.toml", folder.path());
-    let elastic = refused(RobotFile { actuator: "rmd-x8-rotary-sea".to_owned(), ..good.clone() });
-    assert!(elastic.contains("without a spring"), "{elastic}");
+    let elastic = RobotFile { actuator: "rmd-x8-rotary-sea".to_owned(), ..good.clone() };
+    let elastic = RobotModel::new(elastic, &[]).expect("a drive with a spring");
+    let beside =
+        elastic.including("elbow/series-compliance", &seen()).expect_err("no room for it").to_string();
+    assert!(beside.contains("series-compliance"), "{beside}");
     let linear = refused(RobotFile { actuator: "rigid-linear".to_owned(), ..good.clone() });
     assert!(linear.contains("rotary") && linear.contains("[drive]"), "{linear}");
     let mut drives = good.clone();

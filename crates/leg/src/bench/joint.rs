@@ -156,13 +156,8 @@ impl Joint {
             (Column::Motor, _) => "motor_angle_rad",
             (Column::Effort, false) => "output_torque_nm",
             // Where a spring carries a mass, its two sides feel different forces.
-            (Column::Effort, true) => {
-                if self.sprung {
-                    "force_1_n"
-                } else {
-                    "force_2_n"
-                }
-            }
+            (Column::Effort, true) if self.sprung => "force_1_n",
+            (Column::Effort, true) => "force_2_n",
             (Column::Deflection, false) => "spring_deflection_rad",
             (Column::Deflection, true) => "spring_deflection_m",
             (Column::SpringTorque, _) => "spring_torque_nm",

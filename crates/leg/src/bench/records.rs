@@ -1,10 +1,11 @@
 //! What records are to a robot: which columns command it, where runs begin, and which parameters they feel.
 
-use super::RobotModel;
 use super::joint::{Column, Joint};
+use super::{RobotFile, RobotModel};
 use crate::error::nearest;
 use sealegs_actuator::bench::{LONGEST_S, start_of};
 use sealegs_model::{Model, Record};
+use std::collections::BTreeMap;
 
 /// Times that a start is corrected: the second one sees what the first has left of the torques' part.
 const CORRECTIONS: usize = 2;
@@ -14,21 +15,17 @@ const UNFELT_BY_EFFORT: [&str; 2] = ["force_constant", "winding_resistance"];
 
 impl RobotModel {
     /// The same model for these records: runs start as their first rows say, and what a joint's commands do not feel of its
-    /// drive is not fitted.
+    /// drive is not fitted. Whatever is fitted, a run starts in the same place.
     #[must_use]
     pub fn for_records(mut self, records: &[&Record]) -> Self {
+        let mut stated = self.as_stated();
         for record in records {
-            let of = |joint: &Joint| {
-                let signal = |column| record.output(&joint.channel(column));
-                let position = signal(Column::Position).map(|values| start_of(&record.time_s, values));
-                let speed = signal(Column::Speed).map(|values| start_of(&record.time_s, values).0);
-                position.unwrap_or((0.0, speed.unwrap_or(0.0)))
-            };
-            self.starts.insert(record.name.clone(), self.joints.iter().map(of).collect());
+            stated.begin(record);
             for _ in 0..CORRECTIONS {
-                self.correct_start(record);
+                stated.correct_start(record);
             }
         }
+        self.starts.extend(stated.starts);
         for joint in &self.joints {
             let input = |record: &&Record| joint.command_in(record).ok().flatten().map(|(input, _)| input);
             if records.iter().filter_map(input).any(|input| input != joint.effort()) {
@@ -41,7 +38,25 @@ impl RobotModel {
         self
     }
 
-    /// Corrects a record's start by what its first rows show beside the motion that follows from it at the nominal values: the
+    /// The robot with its drives as their files state them: without fitted values and effects.
+    fn as_stated(&self) -> Self {
+        let file = RobotFile { parameters: BTreeMap::new(), effects: Vec::new(), ..self.file().clone() };
+        // Files that are no longer there leave what was read of them.
+        Self::new(file, &[]).unwrap_or_else(|_| self.clone())
+    }
+
+    /// Lets a record start as its first rows say, the position alone zero where it was not logged.
+    fn begin(&mut self, record: &Record) {
+        let of = |joint: &Joint| {
+            let signal = |column| record.output(&joint.channel(column));
+            let position = signal(Column::Position).map(|values| start_of(&record.time_s, values));
+            let speed = signal(Column::Speed).map(|values| start_of(&record.time_s, values).0);
+            position.unwrap_or((0.0, speed.unwrap_or(0.0)))
+        };
+        self.starts.insert(record.name.clone(), self.joints.iter().map(of).collect());
+    }
+
+    /// Corrects a record's start by what its first rows show beside the motion that follows from it: the
     /// torques account for most of the acceleration there, and what is left is slow, so that more rows tell the speed.
     fn correct_start(&mut self, record: &Record) {
         let first = record.beginning(LONGEST_S);
