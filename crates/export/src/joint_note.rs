@@ -5,7 +5,7 @@ use crate::driven::DrivenRobot;
 use crate::note::of_the_log;
 use crate::rigid::Reach;
 use crate::term::Term;
-use crate::text::num;
+use crate::text::told;
 
 /// What a robot of driven joints has or leaves out in every format, its sensors and its logger last.
 pub fn of_the_robot(robot: &DrivenRobot) -> Vec<Note> {
@@ -14,7 +14,7 @@ pub fn of_the_robot(robot: &DrivenRobot) -> Vec<Note> {
         notes.push(Note::held("links", "masses, centres and moments as they were fitted"));
     }
     for joint in robot.joints.iter().filter(|j| j.sprung) {
-        let how = format!("rotor and link move as one; it has {} N m/rad", num(joint.drive.stiffness));
+        let how = format!("rotor and link move as one; it has {} N m/rad", told(joint.drive.stiffness));
         notes.push(Note::lost(format!("spring of {}", joint.name), how));
     }
     let rubbing: Vec<&str> =
