@@ -5,6 +5,7 @@ mod double_pendulum;
 use double_pendulum::{TORQUE, TWO, farthest, values};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig, RunSetup};
+use sealegs_actuator::excitation::gaussian;
 use sealegs_leg::bench::{RobotFile, RobotModel};
 use sealegs_model::{Excitation, InputHold, Model, Record, Signal};
 use std::path::Path;
@@ -204,12 +205,7 @@ fn reference_a_joint_with_a_series_spring_is_as_on_its_bench() {
 
 #[test]
 fn reference_a_start_is_told_from_noisy_rows_under_torque() {
-    // Even noise of 0.3 mrad, by Knuth's linear congruence.
-    let mut state = 1_u64;
-    let mut noise = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        3e-4 * 12.0_f64.sqrt() * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
-    };
+    let noise = |n: i64| 3e-4 * gaussian(1, n);
     let torque = |t: f64| 1.2 * (4.0 * t).cos();
     for (drive, start) in [(SPRUNG, (0.0, 0.0)), (TORQUE, (0.2, 1.5)), (TORQUE, (0.2, 0.0))] {
         let mut seen = record(&[("hinge.torque_nm", &torque)], &[("hinge.angle_rad", 0.0)]);
@@ -218,7 +214,7 @@ fn reference_a_start_is_told_from_noisy_rows_under_torque() {
         let setup = RunSetup { start, ..RunSetup::of_record(&at, bench.spec(), bench.bench(), 1.0) };
         let bench = bench.with_runs(vec![setup]).expect("a rig");
         let truth = bench.predict(&values(&bench), &at, &["joint_angle_rad".to_owned()]).expect("finite");
-        seen.outputs[0].values = truth.outputs[0].values.iter().map(|angle| angle + noise()).collect();
+        seen.outputs[0].values = truth.outputs[0].values.iter().zip(0..).map(|(a, n)| a + noise(n)).collect();
         let folder = folder();
         let arm = robot(folder.path(), ARM, drive).for_records(&[&seen]);
         let (q, v) = arm.starts().next().expect("a start").1[0];

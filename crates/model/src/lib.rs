@@ -13,6 +13,7 @@
 
 mod channel;
 pub mod columns;
+mod differences;
 mod effect;
 mod law;
 mod parameter;
@@ -21,6 +22,7 @@ mod record;
 mod wrapper;
 
 pub use channel::{Unit, UnknownUnit};
+pub use differences::{SIXTH_POWER, sixth_differences};
 pub use effect::{EffectCard, Excitation, SignalRange, SimplerAt, SimplerLaw};
 pub use law::{Curve, Factor, Law, Over};
 pub use parameter::{Parameter, Scale};

@@ -75,23 +75,6 @@ impl Record {
         self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(b, a)| b - a)
     }
 
-    /// The first rows, up to so long (s) after the first one.
-    #[must_use]
-    pub fn beginning(&self, longest_s: f64) -> Self {
-        let rows = self.time_s.iter().take_while(|t| **t - self.time_s[0] <= longest_s).count();
-        let cut = |signals: &[Signal]| -> Vec<Signal> {
-            let of = |s: &Signal| Signal { channel: s.channel.clone(), values: s.values[..rows].to_vec() };
-            signals.iter().map(of).collect()
-        };
-        Self {
-            name: self.name.clone(),
-            time_s: self.time_s[..rows].to_vec(),
-            hold: self.hold,
-            inputs: cut(&self.inputs),
-            outputs: cut(&self.outputs),
-        }
-    }
-
     /// Mean time between samples, s; 0 where there are fewer than two.
     #[must_use]
     pub fn mean_period_s(&self) -> f64 {

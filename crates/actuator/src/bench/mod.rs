@@ -31,7 +31,7 @@ pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
 pub use run::RunSetup;
 pub use sensor::{Recording, Sensor, record};
-pub use start::{LONGEST_S, start_of};
+pub use start::{LONGEST_S, rows_within, start_of};
 
 use crate::effect::{CATALOGUE, Effect, OwnEffect, Setting, embedded, ids};
 use crate::plant::{Grid, Plant, Trace};

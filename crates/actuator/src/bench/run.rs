@@ -42,15 +42,13 @@ impl RunSetup {
 
 #[cfg(test)]
 mod tests {
+    use super::super::start::tests::in_motion;
     use super::*;
     use sealegs_model::{InputHold, Signal};
 
     #[test]
     fn analytic_a_start_in_motion_is_found() {
-        let time_s: Vec<f64> =
-            (0..400).map(|i| 0.3 + f64::from(i) * 1e-3 + 1e-4 * f64::from(i % 3)).collect();
-        let values: Vec<f64> =
-            time_s.iter().map(|t| 0.2 + 0.7 * (t - 0.3) - 2.0 * (t - 0.3).powi(2)).collect();
+        let (time_s, values) = in_motion();
         let mut record = Record {
             name: "run".to_owned(),
             time_s,

@@ -6,6 +6,7 @@
 //! noise would make of it.
 
 use nalgebra::{SMatrix, SVector};
+use sealegs_model::{SIXTH_POWER, sixth_differences};
 use std::ops::Range;
 
 /// Fewest rows and least time (s) of a polynomial.
@@ -25,7 +26,6 @@ const STANDARD_ERRORS: f64 = 2.0;
 const NOISE_ROWS: usize = 24;
 
 /// A polynomial at its first row.
-#[derive(Clone, Copy)]
 struct Start {
     value: f64,
     slope: f64,
@@ -38,9 +38,8 @@ struct Start {
 /// Value and slope at the first row of a signal.
 #[must_use]
 pub fn start_of(time_s: &[f64], values: &[f64]) -> (f64, f64) {
-    let within = |longest: f64| time_s.iter().take_while(|t| *t - time_s[0] <= longest).count();
-    let first = within(FIRST_S).max(FIRST_ROWS).min(time_s.len());
-    let last = within(LONGEST_S).max(first);
+    let first = rows_within(time_s, FIRST_S).max(FIRST_ROWS).min(time_s.len());
+    let last = rows_within(time_s, LONGEST_S).max(first);
     let found = if last < NOISE_ROWS {
         polynomial::<3>(&time_s[..first], &values[..first])
     } else {
@@ -53,6 +52,12 @@ pub fn start_of(time_s: &[f64], values: &[f64]) -> (f64, f64) {
         })
     };
     found.map_or((values.first().copied().unwrap_or(0.0), 0.0), |start| (start.value, start.slope))
+}
+
+/// How many rows there are up to so long (s) after the first one.
+#[must_use]
+pub fn rows_within(time_s: &[f64], longest_s: f64) -> usize {
+    time_s.iter().take_while(|t| *t - time_s[0] <= longest_s).count()
 }
 
 /// The polynomial through the most rows, of a range of their number, whose speed agrees with those of all shorter ones.
@@ -70,10 +75,8 @@ fn longest(of: impl Fn(usize) -> Option<Start>, rows: Range<usize>, noise: f64) 
 
 /// Standard deviation of white noise in a signal that is smooth beside: from sixth differences.
 fn noise_of(values: &[f64]) -> f64 {
-    const BINOMIAL: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-    let power: f64 = BINOMIAL.iter().map(|b| b * b).sum();
-    let differences = values.windows(7).map(|w| w.iter().zip(BINOMIAL).map(|(v, b)| v * b).sum::<f64>());
-    (differences.map(|d| d * d).sum::<f64>() / (power * (values.len() - 6) as f64)).sqrt()
+    let squares: f64 = sixth_differences(values, 1).map(|d| d * d).sum();
+    (squares / (SIXTH_POWER * (values.len() - 6) as f64)).sqrt()
 }
 
 /// The polynomial of `N` coefficients that fits the rows best, least squares; `None` for fewer rows, or where time stands still.
@@ -113,19 +116,23 @@ fn polynomial<const N: usize>(time_s: &[f64], values: &[f64]) -> Option<Start> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::excitation::gaussian;
 
-    /// A swing of 0.5 rad at 1 Hz in rows of 500 Hz, from a phase on, with even noise of a standard deviation.
+    /// Uneven rows from 0.3 s on, and a motion that begins there at 0.2 with a speed of 0.7 per second.
+    pub fn in_motion() -> (Vec<f64>, Vec<f64>) {
+        let time_s: Vec<f64> =
+            (0..400).map(|i| 0.3 + f64::from(i) * 1e-3 + 1e-4 * f64::from(i % 3)).collect();
+        let values = time_s.iter().map(|t| 0.2 + 0.7 * (t - 0.3) - 2.0 * (t - 0.3).powi(2)).collect();
+        (time_s, values)
+    }
+
+    /// A swing of 0.5 rad at 1 Hz in rows of 500 Hz, from a phase on, with white noise of a standard deviation.
     fn swing(phase: f64, noise: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
-        let mut state = seed;
-        let mut even = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12.0_f64.sqrt()
-        };
         let time_s: Vec<f64> = (0..600).map(|n| f64::from(n) * 2e-3).collect();
         let at = |t: f64| 0.5 * (std::f64::consts::TAU * t + phase).sin();
-        let values = time_s.iter().map(|t| at(*t) + noise * even()).collect();
+        let values = time_s.iter().zip(0..).map(|(t, n)| at(*t) + noise * gaussian(seed, n)).collect();
         (time_s, values)
     }
 
@@ -144,10 +151,7 @@ mod tests {
 
     #[test]
     fn analytic_a_parabola_is_found_with_its_standard_error() {
-        let time_s: Vec<f64> =
-            (0..400).map(|i| 0.3 + f64::from(i) * 1e-3 + 1e-4 * f64::from(i % 3)).collect();
-        let values: Vec<f64> =
-            time_s.iter().map(|t| 0.2 + 0.7 * (t - 0.3) - 2.0 * (t - 0.3).powi(2)).collect();
+        let (time_s, values) = in_motion();
         let (x, v) = start_of(&time_s, &values);
         assert!((x - 0.2).abs() < 1e-12 && (v - 0.7).abs() < 1e-9, "{x} {v}");
         // Of many even rows over T the standard error of the first slope is sqrt(192 / N) / T.

@@ -9,9 +9,7 @@ use crate::plant::{Link, Plant, Servo, Winding};
 /// and a leg refuses it.
 #[must_use]
 pub fn is_of_actuator(effect: &dyn Effect) -> bool {
-    let values: Vec<f64> = effect.card(&Setting::unknown()).parameters.iter().map(|p| p.value).collect();
-    let (before, mut after) = (bench(), bench());
-    effect.install(&values, None, &mut after);
+    let (before, after) = (bench(), with(effect));
     // Every part is named, so that a new one has to be decided on.
     let Plant {
         reflected_inertia,
@@ -57,11 +55,17 @@ pub fn is_of_actuator(effect: &dyn Effect) -> bool {
 /// that yields, a compliance behind the screw, and a mass on the link are the robot's to have.
 #[must_use]
 pub fn is_of_joint(effect: &dyn Effect) -> bool {
-    let values: Vec<f64> = effect.card(&Setting::unknown()).parameters.iter().map(|p| p.value).collect();
-    let (before, mut after) = (bench(), bench());
-    effect.install(&values, None, &mut after);
+    let (before, after) = (bench(), with(effect));
     let same_links = (after.link_1, after.link_2) == (before.link_1, before.link_2);
     same_links && after.series == before.series && after.wobbling == before.wobbling
+}
+
+/// That bench with an effect at its guesses.
+fn with(effect: &dyn Effect) -> Plant {
+    let values: Vec<f64> = effect.card(&Setting::unknown()).parameters.iter().map(|p| p.value).collect();
+    let mut plant = bench();
+    effect.install(&values, None, &mut plant);
+    plant
 }
 
 /// A bench with everything that an effect may act on: a pendulum, a winding and a servo's loop. It is never run.

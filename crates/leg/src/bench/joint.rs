@@ -1,7 +1,7 @@
 //! A joint of a robot with its drive: its columns, and what was seen of it.
 
 use sealegs_actuator::bench::BenchModel;
-use sealegs_actuator::effect::{CATALOGUE, Effect, Setting, is_of_joint};
+use sealegs_actuator::effect::{CATALOGUE, Setting, is_of_joint};
 use sealegs_model::columns::BESIDE;
 use sealegs_model::{Excitation, Model, ModelError, Record, SignalRange};
 
@@ -14,6 +14,8 @@ pub(super) struct Joint {
     pub sprung: bool,
     /// What the URDF states of viscous damping, where it is not the drive's own: behind a spring, N m s/rad.
     pub damping: f64,
+    /// Effects that a bench of its drive has and this joint cannot.
+    pub refused: Vec<String>,
     pub model: BenchModel,
     /// Where each of the drive's parameters is among the robot's.
     pub at: Vec<usize>,
@@ -36,6 +38,12 @@ pub(super) enum Column {
 impl Column {
     /// Of motion, which every joint has.
     pub const MOTION: [Self; 3] = [Self::Position, Self::Speed, Self::Motor];
+}
+
+/// Effects of the catalogue that a drive with a spring cannot have at a joint.
+pub(super) fn refused_with_spring() -> Vec<String> {
+    let refused = CATALOGUE.iter().filter(|effect| !is_of_joint(**effect));
+    refused.map(|effect| effect.card(&Setting::unknown()).id).collect()
 }
 
 impl Joint {
@@ -132,12 +140,6 @@ impl Joint {
     /// Values of the drive's parameters, out of those of the robot's.
     pub fn own(&self, values: &[f64]) -> Vec<f64> {
         self.at.iter().map(|i| values[*i]).collect()
-    }
-
-    /// Whether this joint cannot have an effect of the catalogue that a bench of its drive has.
-    pub fn refuses(&self, id: &str) -> bool {
-        let of_bench = |effect: &&dyn Effect| effect.card(&Setting::unknown()).id == id;
-        self.sprung && CATALOGUE.iter().copied().find(of_bench).is_some_and(|effect| !is_of_joint(effect))
     }
 
     /// What a column is called.

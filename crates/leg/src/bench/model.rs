@@ -1,7 +1,7 @@
 //! The robot with its drives as a model: parameters by joint and link, effects by joint, prediction of a record.
 
 use super::RobotFile;
-use super::joint::{Column, Joint};
+use super::joint::{Column, Joint, refused_with_spring};
 use super::links::{self, LinkParameters};
 use super::observed::Observed;
 use super::simulate::{Course, JointTrace, Machine};
@@ -52,6 +52,8 @@ pub struct RobotModel {
     pub(super) robot: Arc<Robot>,
     pub(super) tree: Tree,
     pub(super) joints: Vec<Joint>,
+    /// The robot as its URDF and its drives' files have it, without the values and effects of its own file.
+    pub(super) plain: Option<Arc<Self>>,
     links: Vec<LinkParameters>,
     pub(super) parameters: Vec<Parameter>,
     /// Included effects: the joint and the id there.
@@ -123,8 +125,9 @@ impl RobotModel {
                 at.push(parameters.len());
                 parameters.push(Parameter { name, ..p.clone() });
             }
-            let damping = if sprung { joint.damping } else { 0.0 };
-            joints.push(Joint { name: joint.name.clone(), slides, sprung, damping, model, at });
+            let (damping, refused) =
+                if sprung { (joint.damping, refused_with_spring()) } else { (0.0, Vec::new()) };
+            joints.push(Joint { name: joint.name.clone(), slides, sprung, damping, refused, model, at });
         }
         let links = links::parameters(&robot, &tree, &mut parameters);
         let mut model = Self {
@@ -132,6 +135,7 @@ impl RobotModel {
             robot: Arc::new(robot),
             tree,
             joints,
+            plain: None,
             links,
             parameters,
             included: Vec::new(),
@@ -141,6 +145,7 @@ impl RobotModel {
             observed: None,
             file: Arc::new(file),
         };
+        model.plain = Some(Arc::new(model.clone()));
         model.take_stated()?;
         Ok(model)
     }
@@ -223,7 +228,7 @@ impl RobotModel {
             let known: Vec<String> = self.effects(seen).into_iter().map(|card| card.id).collect();
             return Err(unknown(nearest(id, known.iter().map(String::as_str))));
         };
-        if self.joints[joint].refuses(rest) {
+        if self.joints[joint].refused.iter().any(|id| id == rest) {
             let reason = format!("a drive with a spring at a robot's joint cannot have the effect '{rest}'");
             return Err(ModelError::Setup { reason });
         }
@@ -274,7 +279,7 @@ impl RobotModel {
     }
 
     /// The joints' position channels.
-    fn positions(&self) -> Vec<String> {
+    pub(super) fn positions(&self) -> Vec<String> {
         self.joints.iter().map(|j| j.channel(Column::Position)).collect()
     }
 
@@ -375,7 +380,7 @@ impl Model for RobotModel {
     fn effects(&self, seen: &Excitation) -> Vec<EffectCard> {
         let of = |joint: &Joint| {
             let cards = joint.model.effects(&joint.seen(seen)).into_iter();
-            let cards = cards.filter(|card| !joint.refuses(&card.id));
+            let cards = cards.filter(|card| !joint.refused.contains(&card.id));
             let place = joint.name.clone();
             cards
                 .map(move |card| EffectCard { id: format!("{place}/{}", card.id), ..card })

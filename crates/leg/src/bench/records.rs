@@ -1,11 +1,10 @@
 //! What records are to a robot: which columns command it, where runs begin, and which parameters they feel.
 
+use super::RobotModel;
 use super::joint::{Column, Joint};
-use super::{RobotFile, RobotModel};
 use crate::error::nearest;
-use sealegs_actuator::bench::{LONGEST_S, start_of};
+use sealegs_actuator::bench::{LONGEST_S, rows_within, start_of};
 use sealegs_model::{Model, Record};
-use std::collections::BTreeMap;
 
 /// Times that a start is corrected: the second one sees what the first has left of the torques' part.
 const CORRECTIONS: usize = 2;
@@ -18,14 +17,15 @@ impl RobotModel {
     /// drive is not fitted. Whatever is fitted, a run starts in the same place.
     #[must_use]
     pub fn for_records(mut self, records: &[&Record]) -> Self {
-        let mut stated = self.as_stated();
+        let mut plain = self.plain.as_deref().unwrap_or(&self).clone();
         for record in records {
-            stated.begin(record);
+            plain.begin(record);
+            let first = record.at_rows(0..rows_within(&record.time_s, LONGEST_S));
             for _ in 0..CORRECTIONS {
-                stated.correct_start(record);
+                plain.correct_start(&first);
             }
         }
-        self.starts.extend(stated.starts);
+        self.starts.extend(plain.starts);
         for joint in &self.joints {
             let input = |record: &&Record| joint.command_in(record).ok().flatten().map(|(input, _)| input);
             if records.iter().filter_map(input).any(|input| input != joint.effort()) {
@@ -36,13 +36,6 @@ impl RobotModel {
             }
         }
         self
-    }
-
-    /// The robot with its drives as their files state them: without fitted values and effects.
-    fn as_stated(&self) -> Self {
-        let file = RobotFile { parameters: BTreeMap::new(), effects: Vec::new(), ..self.file().clone() };
-        // Files that are no longer there leave what was read of them.
-        Self::new(file, &[]).unwrap_or_else(|_| self.clone())
     }
 
     /// Lets a record start as its first rows say, the position alone zero where it was not logged.
@@ -56,15 +49,14 @@ impl RobotModel {
         self.starts.insert(record.name.clone(), self.joints.iter().map(of).collect());
     }
 
-    /// Corrects a record's start by what its first rows show beside the motion that follows from it: the
-    /// torques account for most of the acceleration there, and what is left is slow, so that more rows tell the speed.
-    fn correct_start(&mut self, record: &Record) {
-        let first = record.beginning(LONGEST_S);
-        let places = self.joints.iter().map(|joint| joint.channel(Column::Position));
-        let measured: Vec<String> = places.filter(|place| record.output(place).is_some()).collect();
+    /// Corrects a record's start by what its `first` rows show beside the motion that follows from it: the torques account for
+    /// most of the acceleration there, and what is left is slow, so that more rows tell the speed.
+    fn correct_start(&mut self, first: &Record) {
+        let places = self.positions().into_iter();
+        let measured: Vec<String> = places.filter(|place| first.output(place).is_some()).collect();
         // What cannot be simulated is said when it is to be compared.
-        let Ok(predicted) = self.predict(&self.nominal(), &first, &measured) else { return };
-        let Some(start) = self.starts.get_mut(&record.name) else { return };
+        let Ok(predicted) = self.predict(&self.nominal(), first, &measured) else { return };
+        let Some(start) = self.starts.get_mut(&first.name) else { return };
         for (joint, at) in self.joints.iter().zip(start) {
             let place = joint.channel(Column::Position);
             let Some((seen, follows)) = first.output(&place).zip(predicted.output(&place)) else { continue };

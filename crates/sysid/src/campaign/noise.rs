@@ -20,12 +20,10 @@
 use super::{Role, Run};
 use crate::stats;
 use rayon::prelude::*;
+use sealegs_model::{SIXTH_POWER, sixth_differences};
 
 /// Samples in a window of the estimate.
 const WINDOW: usize = 64;
-
-/// Weights of a sixth difference.
-const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
 
 /// Lower quartile of the root mean square of sixth differences of white noise over windows of [`WINDOW`], as a share of the
 /// noise's own: 0.887, 0.886 and 0.889 at spacings 1, 2 and 4 on 200 000 samples.
@@ -107,18 +105,14 @@ pub(super) fn of_runs(runs: &[Run], stated: &[(String, f64)]) -> Vec<NoiseStd> {
 
 /// The standard deviation of white noise that sixth differences show where they are quiet.
 pub(super) fn by_differences(columns: &[&[f64]]) -> f64 {
-    let white = SIXTH.iter().map(|w| w * w).sum::<f64>().sqrt();
     let spacing_estimate = |spacing: usize| {
         let mut windows = Vec::new();
         for column in columns {
-            let difference =
-                |i: usize| SIXTH.iter().enumerate().map(|(k, w)| w * column[i + k * spacing]).sum::<f64>();
-            let d: Vec<f64> =
-                (0..column.len().saturating_sub((SIXTH.len() - 1) * spacing)).map(difference).collect();
+            let d: Vec<f64> = sixth_differences(column, spacing).collect();
             windows
                 .extend(d.chunks(WINDOW).filter(|w| w.len() == WINDOW || d.len() < WINDOW).map(stats::rms));
         }
-        stats::quantile(&windows, 0.25) / white / QUARTILE
+        stats::quantile(&windows, 0.25) / SIXTH_POWER.sqrt() / QUARTILE
     };
     let near = spacing_estimate(1);
     // Slow noise shows at wider spacings, and so does motion: only a modest rise is believed.
