@@ -1,6 +1,6 @@
 //! The recovery matrix: campaigns with a known answer through the whole diagnosis, scored.
 //!
-//! Every effect of the catalogue on both benches at three strengths with several individuals, pairs of effects,
+//! Every effect of the catalogue on both benches at three strengths with several individuals, two and three effects at once,
 //! campaigns with nothing hidden, and with effects of no catalogue, all by the independent simulator
 //! (`sealegs-reference`) at a fine step. The runs are shorter than a real campaign's, to keep it affordable.
 
@@ -16,7 +16,7 @@ use sealegs::mystery::answer::{Answer, HiddenEffect};
 use sealegs::mystery::score::Score;
 use sealegs::mystery::trial::{Strength, visible};
 use sealegs::mystery::{Fitted, Located, Verdict, answer_of};
-use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Order, PAIRS, Rig, SUBSTEPS};
+use sealegs_reference::campaign::{BEYOND, CATALOGUE, Draws, Hidden, Order, PAIRS, Rig, SUBSTEPS, TRIPLES};
 use sealegs_sysid::Campaign;
 use serde::{Deserialize, Serialize};
 use std::error::Error;
@@ -88,7 +88,8 @@ pub fn cases(asked: &Asked) -> Vec<Case> {
     for id in CATALOGUE.iter().chain(&NARROWED) {
         rows.push((vec![*id], strengths.to_vec(), asked.seeds));
     }
-    rows.extend(PAIRS.iter().map(|pair| (pair.to_vec(), vec![Middle], asked.seeds)));
+    let several = PAIRS.iter().map(|pair| pair.to_vec()).chain(TRIPLES.iter().map(|three| three.to_vec()));
+    rows.extend(several.map(|ids| (ids, vec![Middle], asked.seeds)));
     rows.push((Vec::new(), vec![Weak], asked.seeds * CLEAN_PER_SEED));
     let strong: Vec<Strength> = strengths.iter().copied().filter(|s| *s != Weak).collect();
     rows.extend(BEYOND.iter().map(|id| (vec![*id], strong.clone(), asked.seeds)));

@@ -44,6 +44,13 @@ pub const PAIRS: [[&str; 2]; 6] = [
     ["quadratic-drag", "sensor-lag@force_2_n"],
 ];
 
+/// Three effects at once, as on rigs: friction, what is late, and something else.
+pub const TRIPLES: [[&str; 3]; 3] = [
+    ["presliding-friction", "transport-delay", "sensor-lag"],
+    ["coulomb-friction", "torque-ripple", "transport-delay"],
+    ["load-dependent-friction", "hardening-spring", "sensor-lag@force_2_n"],
+];
+
 impl Hidden {
     /// Whether an effect can act on this bench at all.
     #[must_use]

@@ -11,7 +11,7 @@ mod strength;
 
 pub use commands::Planned;
 pub use draws::Draws;
-pub use hidden::{BEYOND, CATALOGUE, Hidden, PAIRS};
+pub use hidden::{BEYOND, CATALOGUE, Hidden, PAIRS, TRIPLES};
 pub use individual::{Individual, Stamp};
 pub use rough::Rough;
 pub use strength::reach;

@@ -33,34 +33,74 @@ pub struct FreeForm {
     pub force: Option<MissingForce>,
 }
 
+/// A curve with the set that it was fitted with, as the search fits sets.
+pub(super) struct Fitted {
+    tried: Tried,
+    pub with: Candidate,
+}
+
+impl Fitted {
+    /// Whether it leaves far less than a set does, and is no dry friction: then the set does not deserve its name.
+    pub fn beats(&self, set: &Candidate, floor: f64) -> bool {
+        takes(set, &self.with, 1.0 / CURVE_BEATS, floor)
+            && !is_dry_friction(self.tried.on, self.tried.dry_share)
+    }
+
+    /// It fitted to the end, beside the set with this index.
+    fn finished(self, models: &Models, beside: usize, ports: &[Port]) -> FreeForm {
+        let Self { tried, with } = self;
+        let models = tried.models(models);
+        let with = models.polished(&with);
+        let force = missing_force(&models, &with, ports);
+        let law = refitted(tried.law.clone(), &with);
+        FreeForm {
+            law,
+            port: tried.port.clone(),
+            on: tried.on,
+            dry_share: tried.dry_share,
+            beside,
+            with,
+            force,
+        }
+    }
+}
+
 /// The curves that take most of what the chosen set leaves, beside it, and of what the base model leaves, alone; none where
 /// nothing is left, or no curve takes a good part of it. Where one alone leaves far less than the chosen set, nothing stays
-/// chosen: a known effect is named only if it explains what the free-form curve of its port does.
-pub(super) fn look(models: &Models, found: &mut Found, before: &[Port], after: &[Port]) -> Vec<FreeForm> {
+/// chosen: a known effect is named only if it explains what the free-form curve of its port does. `early` is one alone that the
+/// search has seen.
+pub(super) fn look(
+    models: &Models,
+    found: &mut Found,
+    early: Option<Fitted>,
+    (before, after): (&[Port], &[Port]),
+) -> Vec<FreeForm> {
     let floor = models.data.floor;
     let error = |i: usize| found.tried[i].fit.error();
     let left = (error(found.chosen) - floor) / (error(0) - floor).max(f64::MIN_POSITIVE);
     if error(found.chosen) <= EXPLAINED * floor || (found.chosen > 0 && left < LEFT_SHARE) {
         return Vec::new();
     }
-    let alone = best(models, found, 0, before);
+    let alone = early.or_else(|| lowest(models, &found.tried[0], before));
+    let alone = alone.map(|law| law.finished(models, 0, before));
     if found.chosen == 0 {
         return alone.into_iter().collect();
     }
     let beaten = |law: &FreeForm| takes(&found.tried[found.chosen], &law.with, 1.0 / CURVE_BEATS, floor);
-    if alone.as_ref().is_some_and(|law| beaten(law) && !is_dry_friction(law)) {
+    if alone.as_ref().is_some_and(|law| beaten(law) && !is_dry_friction(law.on, law.dry_share)) {
         found.chosen = 0;
         found.tied.clear();
         found.same.clear();
         return alone.into_iter().collect();
     }
-    let beside = best(models, found, found.chosen, after);
+    let beside = lowest(models, &found.tried[found.chosen], after);
+    let beside = beside.map(|law| law.finished(models, found.chosen, after));
     beside.into_iter().chain(alone).collect()
 }
 
 /// Whether a curve over the speed is dry friction with something beside it: its sign alone predicts nearly as much.
-fn is_dry_friction(law: &FreeForm) -> bool {
-    law.on == "speed" && law.dry_share >= DRY_MOSTLY
+fn is_dry_friction(on: &str, dry_share: f64) -> bool {
+    on == "speed" && dry_share >= DRY_MOSTLY
 }
 
 /// Whether a model leaves no more than a share of what another one leaves on left-out stretches, and clearly less.
@@ -69,37 +109,34 @@ fn takes(from: &Candidate, with: &Candidate, share: f64, floor: f64) -> bool {
     clearly_better(from, with, floor) && square(with) <= share * square(from)
 }
 
-/// The curve that leaves least beside a set: some are fitted under the observer, the best of these in open loop, and to the
-/// end if it takes a good part of what the set leaves.
-fn best(models: &Models, found: &Found, beside: usize, ports: &[Port]) -> Option<FreeForm> {
-    let near = &found.tried[beside];
+/// The curve that leaves least beside a set: some are fitted under the observer, the best of these in open loop; `None` where
+/// it takes no good part of what the set leaves.
+pub(super) fn lowest(models: &Models, near: &Candidate, ports: &[Port]) -> Option<Fitted> {
     let known = near.known();
     let observed = models.observing(near, &with_nominal_base(models.exact, &known))?;
     let tried = curves::promising(models, &observed, ports);
-    let mut seen: Vec<(&Tried, Fit)> = tried
-        .par_iter()
+    let mut seen: Vec<(Tried, Fit)> = tried
+        .into_par_iter()
         .filter_map(|t| {
             let job = (t.set(near), known.clone());
-            Some((t, t.models(models).observed_fits(&observed, &[job]).pop()??))
+            let fit = t.models(models).observed_fits(&observed, &[job]).pop()??;
+            Some((t, fit))
         })
         .collect();
     seen.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     seen.truncate(if models.dear { 1 } else { CURVES_FITTED as usize });
-    let fitted: Vec<(&Tried, Candidate)> = seen
-        .par_iter()
-        .filter_map(|(t, fit)| Some((*t, t.models(models).fitted(near, &t.set(near), &known, Some(fit))?)))
-        .filter(|(t, with)| t.law.acts_on != "drive" || !is_left_undriven(&t.law, near, with))
+    let fitted: Vec<Fitted> = seen
+        .into_par_iter()
+        .filter_map(|(tried, fit)| {
+            let with = tried.models(models).fitted(near, &tried.set(near), &known, Some(&fit))?;
+            Some(Fitted { tried, with })
+        })
+        .filter(|Fitted { tried, with }| {
+            tried.law.acts_on != "drive" || !is_left_undriven(&tried.law, near, with)
+        })
         .collect();
-    let (tried, with) = fitted.into_iter().reduce(|a, b| if b.1.fit.cost < a.1.fit.cost { b } else { a })?;
-    if !takes(near, &with, 1.0 - WORTH_NAMING, models.data.floor) {
-        return None;
-    }
-    let models = tried.models(models);
-    let with = models.polished(&with);
-    let force = missing_force(&models, &with, ports);
-    let law = refitted(tried.law.clone(), &with);
-    let (port, on, dry_share) = (tried.port.clone(), tried.on, tried.dry_share);
-    Some(FreeForm { law, port, on, dry_share, beside, with, force })
+    let least = fitted.into_iter().reduce(|a, b| if b.with.fit.cost < a.with.fit.cost { b } else { a })?;
+    takes(near, &least.with, 1.0 - WORTH_NAMING, models.data.floor).then_some(least)
 }
 
 /// Puts the port at which a law acts first, and what the law depends on first there: a fit in the sensors' own noise says it

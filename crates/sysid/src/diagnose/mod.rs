@@ -153,8 +153,8 @@ pub fn diagnose(
     let mut models = Models::new(&data, base);
     let first = models.base()?;
     progress(Progress::Looking);
-    let mut ports = missing::look(&models, &first);
-    let (mut found, models) = search(models, first, progress);
+    let ports = missing::look(&models, &first);
+    let (mut found, curve, mut ports, models) = search(models, first, ports, progress);
     let chosen = &found.tried[found.chosen];
     let mut ports_after = if chosen.fit.error() > policy::NEAR_FLOOR * data.floor {
         missing::look(&models, chosen)
@@ -162,7 +162,7 @@ pub fn diagnose(
         Vec::new()
     };
     progress(Progress::Curves);
-    found.laws = free_form::look(&models, &mut found, &ports, &ports_after);
+    found.laws = free_form::look(&models, &mut found, curve, (&ports, &ports_after));
     for law in &found.laws {
         let ports = if law.beside == 0 { &mut ports } else { &mut ports_after };
         free_form::put_first(law, &found.tried[law.beside], data.floor, ports);
@@ -219,8 +219,9 @@ pub fn missing_signals(data: &Data, model: &dyn Model, fit: Option<&Fit>) -> Res
 fn search<'a>(
     models: Models<'a>,
     first: Candidate,
+    ports: Vec<Port>,
     progress: &'a (dyn Fn(Progress) + Sync + 'a),
-) -> (Found, Models<'a>) {
+) -> (Found, Option<free_form::Fitted>, Vec<Port>, Models<'a>) {
     let admitted = models.exact.effects(&models.seen).into_iter().map(|c| c.id).collect();
     let base_as_searched = first.validation.clone();
     let mut search = search::Search {
@@ -229,6 +230,8 @@ fn search<'a>(
         tried: vec![first],
         promises: Vec::new(),
         observed: Vec::new(),
+        ports,
+        curve: None,
         progress,
     };
     let best = search.run();
@@ -252,6 +255,7 @@ fn search<'a>(
     // A simpler set that took the place of the one that was fitted to the end is not fitted to the end itself.
     search.finish(&[chosen]);
     search.finish(&search.compared_with(chosen));
-    let search::Search { models, tried, promises, .. } = search;
-    (Found { tried, chosen, tied, same, open, promises, laws: Vec::new(), base_as_searched }, models)
+    let search::Search { models, tried, promises, ports, curve, .. } = search;
+    let found = Found { tried, chosen, tied, same, open, promises, laws: Vec::new(), base_as_searched };
+    (found, curve, ports, models)
 }

@@ -46,6 +46,9 @@ policy! {
     /// How many times less than the best set of known effects a curve must leave on left-out stretches for that set not to
     /// be named: half the error. Laws of one family (a step, a root, a line over the speed) do not differ by less.
     CURVE_BEATS = 4.0;
+    /// Share of the missing energy that a curve may leave and still explain so much that no further effect is searched: twelve
+    /// straight pieces leave that of a spring with a kink.
+    CURVE_LEAVES = 0.05;
     /// Share of the motor's force that a curve at the drive may take: beyond it the curve takes the command away, and bodies
     /// without mass explain the rest. An estimate: a drive that loses half of its force is seen without any model.
     MOST_LOST = 0.5;

@@ -149,7 +149,7 @@ impl Search<'_> {
                 // Beside another law that contains it, the simpler one is that law twice. What was fitted to the end in open
                 // loop is not compared with what was fitted in windows.
                 let comparable = !self.tried[index].exact || !self.models.windowed;
-                let index = if comparable { self.pruned(index) } else { index };
+                let index = if comparable && !self.is_long() { self.pruned(index) } else { index };
                 return self.simplified(index, tied);
             }
         }

@@ -4,13 +4,13 @@
 use super::compare::{clearly_better, excess, is_beyond_chance};
 use super::fits::has_two_magnitudes;
 use super::policy::{
-    AT_FLOOR, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST, OPEN_LOOP_WORTH,
-    RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
+    AT_FLOOR, CURVE_LEAVES, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST,
+    OPEN_LOOP_WORTH, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
 };
 use super::refine::Models;
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
 use super::starts::with_nominal_base;
-use super::{Candidate, Progress};
+use super::{Candidate, Port, Progress, free_form};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, internal};
 
@@ -35,6 +35,8 @@ enum Ended {
     AtMost,
     /// No further one is clearly better.
     NoBetter,
+    /// A curve at a port explains everything, and far more than the set.
+    Curve,
 }
 
 /// A set as it was fitted under the observer.
@@ -58,6 +60,10 @@ pub(super) struct Search<'a> {
     pub promises: Vec<Promise>,
     /// Every set that was fitted under the observer.
     pub observed: Vec<Observed>,
+    /// What is missing at the ports of the base model.
+    pub ports: Vec<Port>,
+    /// The curve at one of them that leaves least beside the base model, where no single effect explains what is missing.
+    pub curve: Option<free_form::Fitted>,
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -66,6 +72,9 @@ impl Search<'_> {
     /// what is screened badly is fitted alone: it may explain what three others do not.
     pub fn run(&mut self) -> usize {
         let (mut best, mut ended) = self.grown_from(0, PAIR);
+        if ended == Ended::Curve || self.curve_beats(best) {
+            return 0;
+        }
         if ended != Ended::AtLast {
             let other = self.screened_badly(best);
             if other != best {
@@ -115,6 +124,9 @@ impl Search<'_> {
             }
             let fitted = self.grown(best);
             let better = self.best_of(&fitted, best);
+            if self.curve_explains(better) {
+                return (0, Ended::Curve);
+            }
             if better == best || self.is_too_little(better, best) {
                 break;
             }
@@ -214,10 +226,37 @@ impl Search<'_> {
             .iter()
             .copied()
             .reduce(|a, b| if self.tried[b].fit.cost < self.tried[a].fit.cost { b } else { a });
-        if from == 0 && self.models.is_worth_scattering(&self.tried[least.unwrap_or(from)]) {
-            fitted.extend(self.scattered(from, &fitted));
+        let least = least.unwrap_or(from);
+        if from == 0 {
+            self.look_for_curve(least);
+            if self.models.is_worth_scattering(&self.tried[least]) && !self.curve_explains(least) {
+                fitted.extend(self.scattered(from, &fitted));
+            }
         }
         fitted
+    }
+
+    /// Fits curves at the ports beside the base model where the best single effect leaves something. On a leg, where a
+    /// simulation is dear, they wait until nothing else is left to try.
+    fn look_for_curve(&mut self, single: usize) {
+        if !self.models.dear && self.tried[single].fit.error() > EXPLAINED * self.models.data.floor {
+            (self.progress)(Progress::Curves);
+            self.curve = free_form::lowest(&self.models, &self.tried[0], &self.ports);
+        }
+    }
+
+    /// Whether the curve leaves far less than a set: no known effect deserves its name then.
+    fn curve_beats(&self, set: usize) -> bool {
+        let floor = self.models.data.floor;
+        self.curve.as_ref().is_some_and(|curve| curve.beats(&self.tried[set], floor))
+    }
+
+    /// Whether, besides, it explains nearly all that is missing, so that further effects would have nothing to explain.
+    fn curve_explains(&self, set: usize) -> bool {
+        let floor = self.models.data.floor;
+        let left = |candidate: &Candidate| excess(candidate.fit.error(), floor);
+        let explains = |curve: &free_form::Fitted| left(&curve.with) <= CURVE_LEAVES * left(&self.tried[0]);
+        self.curve.as_ref().is_some_and(explains) && self.curve_beats(set)
     }
 
     /// Fits pairs beside a set from many starts: the single effects that take most, each with every effect at another port; the
