@@ -1,4 +1,4 @@
-//! Drives without a spring run in MuJoCo itself: what a model gains in our simulator it must gain there.
+//! Drives at joints run in MuJoCo itself: what a model gains in our simulator it must gain there.
 //!
 //! The carriage's truth is the independent simulator's: a drive on a locked bench without stiffness, whose sprung mass is the
 //! load. It has no pendulum that a drive turns directly, and no robot with drives at joints: there the truth is our own model
@@ -125,23 +125,28 @@ fn on_pendulum(
     (Case { name, channel: "joint_angle_rad", truth, ours, most: 0.02 }, jobs)
 }
 
-fn robot() -> (Case, [BenchJob; 2]) {
+/// The double pendulum, its elbow driven by `elbow` in the place of its own drive if that is something, without and with
+/// effects, and with a lower link that is heavier than the URDF's, as a fit leaves it.
+fn robot(
+    name: &'static str,
+    elbow: Option<&str>,
+    effects: &[(&str, &[f64])],
+    channel: &'static str,
+) -> (Case, [BenchJob; 2]) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/campaigns/real/double-pendulum");
-    let plain = RobotModel::new(RobotFile::of_urdf("design-a.urdf", "drive-a.toml", &folder), &[]).unwrap();
-    let effects: [(&str, &[f64]); 6] = [
-        ("shoulder/coulomb-friction", &[0.15]),
-        ("shoulder/quadratic-drag", &[0.01]),
-        ("shoulder/transport-delay", &[0.005]),
-        ("elbow/stribeck-friction", &[0.05, 0.12, 0.3]),
-        ("elbow/load-dependent-friction", &[0.08]),
-        ("elbow/current-saturation", &[0.9]),
-    ];
+    let mut file = RobotFile::of_urdf("design-a.urdf", "drive-a.toml", &folder);
+    let own = tempfile::tempdir().unwrap();
+    if let Some(elbow) = elbow {
+        let path = own.path().join("elbow.toml");
+        std::fs::write(&path, elbow).unwrap();
+        file.drive.insert("elbow".to_owned(), path.to_str().unwrap().to_owned());
+    }
+    let plain = RobotModel::new(file, &[]).unwrap();
     let (mut with, mut values) = (plain.clone(), plain.nominal());
     for (id, own) in effects {
         with = with.including(id, &Excitation::default()).unwrap();
-        values.extend(own);
+        values.extend(*own);
     }
-    // A link heavier than the URDF's, as a fit leaves it.
     let mass = with.parameters().iter().position(|p| p.name == "lower/mass").unwrap();
     values[mass] *= 1.05;
     let with = RobotModel::new(with.fitted_file(&values, &[]), &[]).unwrap();
@@ -153,7 +158,6 @@ fn robot() -> (Case, [BenchJob; 2]) {
         record.outputs.push(Signal { channel: channel.to_owned(), values });
     }
     let models = [plain, with].map(|model| model.for_records(&[&record]));
-    let channel = "elbow.angle_rad";
     let show = |model: &RobotModel| {
         let shown = model.predict(&model.nominal(), &record, &[channel.to_owned()]).unwrap();
         shown.outputs[0].values.clone()
@@ -161,11 +165,16 @@ fn robot() -> (Case, [BenchJob; 2]) {
     let truth = show(&models[1].clone().with_step(2.5e-5));
     let ours = models.each_ref().map(show);
     let jobs = models.each_ref().map(|model| robot_job(model, &[&record]));
-    (Case { name: "robot of two joints", channel, truth, ours, most: 0.02 }, jobs)
+    (Case { name, channel, truth, ours, most: 0.02 }, jobs)
 }
 
+/// A drive with a series spring for a joint of that robot.
+const SPRUNG: &str = "id = \"sprung\"\nkind = \"rotary\"\n[motor]\ntorque_constant_nm_a = 0.1\n\
+                      rotor_inertia_kg_m2 = 2e-4\nrotor_damping_nm_s = 1e-3\n[transmission]\ntype = \"gear\"\n\
+                      gear_ratio = 10.0\n[spring]\ntype = \"torsion\"\nstiffness_nm_rad = 60.0\n";
+
 #[test]
-fn reference_the_error_of_drives_without_a_spring_falls_in_mujoco_as_it_falls_here() {
+fn reference_the_error_of_drives_at_joints_falls_in_mujoco_as_it_falls_here() {
     let Some(python) = python(Path::new(env!("CARGO_TARGET_TMPDIR"))) else { return };
     let rod = PendulumRig { arm_m: 1.0, length_m: 0.15, mass_kg: 0.3, rod_mass_kg: 0.1 };
     let lever = PendulumRig { arm_m: -0.05, length_m: 0.3, mass_kg: 2.0, rod_mass_kg: 0.0 };
@@ -214,7 +223,48 @@ fn reference_the_error_of_drives_without_a_spring_falls_in_mujoco_as_it_falls_he
             ("motor_force_n", 150.0),
             &[("stribeck-friction", &[20.0, 40.0, 0.01]), ("torque-ripple", &[10.0, 1.0, 0.3])],
         ),
-        robot(),
+        on_pendulum(
+            "servo with play that sees its output",
+            (drive("rotary", simple), rod),
+            ("position_rad", 0.8),
+            &[("backlash", &[0.03, 40.0])],
+        ),
+        robot(
+            "robot of two joints",
+            None,
+            &[
+                ("shoulder/coulomb-friction", &[0.15]),
+                ("shoulder/quadratic-drag", &[0.01]),
+                ("shoulder/transport-delay", &[0.005]),
+                ("elbow/stribeck-friction", &[0.05, 0.12, 0.3]),
+                ("elbow/load-dependent-friction", &[0.08]),
+                ("elbow/current-saturation", &[0.9]),
+            ],
+            "elbow.angle_rad",
+        ),
+        robot(
+            "robot, elbow behind a spring",
+            Some(SPRUNG),
+            &[
+                ("elbow/coulomb-friction", &[0.1]),
+                ("elbow/hardening-spring", &[2e4]),
+                ("elbow/spring-damping", &[0.2]),
+                ("elbow/output-friction", &[0.08]),
+            ],
+            "elbow.angle_rad",
+        ),
+        robot(
+            "the same, its spring's torque, by the load",
+            Some(SPRUNG),
+            &[("elbow/load-dependent-friction", &[0.1]), ("elbow/spring-damping", &[0.2])],
+            "elbow.spring_torque_nm",
+        ),
+        robot(
+            "robot, play in the elbow",
+            None,
+            &[("elbow/backlash", &[0.04, 100.0]), ("elbow/coulomb-friction", &[0.05])],
+            "elbow.angle_rad",
+        ),
     ];
     let (mut jobs, mut kept) = (Vec::new(), Vec::new());
     for (case, pair) in cases {

@@ -1,10 +1,11 @@
-//! Drives, each at a joint of its own: one without a spring on a bench, or a robot with its drives, whose springs are left out.
+//! Drives, each at a joint of its own: one without a spring on a bench, or a robot with its drives.
 //!
 //! A bench is a robot of one joint. Its drive's numbers are those of the drive's own coordinate `y` (the output of a rotary
 //! drive, the travel of a linear one); a lever turns them into those of the joint, `y = arm angle`.
 
 use crate::ExportError;
 use crate::bench::{BenchDescription, Output};
+use crate::mjcf::STEP_S;
 use crate::term::{Included, Term};
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use sealegs_actuator::Kind;
@@ -26,6 +27,20 @@ pub enum Command {
     Goal(Winding, Servo),
 }
 
+/// Where a rotor meets its joint: at a series spring, or in a transmission that yields or has play. In the drive's own
+/// coordinate `y`; the stiffness is the drive's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coupling {
+    /// N s/m.
+    pub damping: f64,
+    /// Whether it acts only where the play is closed, as in gears; beside a series spring it always does.
+    pub in_contact: bool,
+    /// Width of the play, m.
+    pub gap: f64,
+    /// The longest step, s, that follows rotor against joint.
+    pub step_s: f64,
+}
+
 /// A joint that a drive moves.
 #[derive(Debug, Clone)]
 pub struct DrivenJoint {
@@ -35,10 +50,23 @@ pub struct DrivenJoint {
     pub command: Command,
     /// Travel of the drive per motion of the joint: 1, or a lever's arm in m.
     pub arm: f64,
-    /// Whether a series spring is between rotor and link, which is left out.
+    /// Where the rotor meets the joint, unless they move as one.
+    pub coupling: Option<Coupling>,
+    /// Whether that is a series spring.
     pub sprung: bool,
+    /// Viscous damping of the joint itself, behind a series spring.
+    pub damping: f64,
     /// What its sensors show: the channel on the drive's own bench, and its name here.
     pub channels: Vec<(String, String)>,
+}
+
+/// Where a joint begins a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    pub position: f64,
+    pub speed: f64,
+    /// How far the rotor is ahead of the joint, in the drive's own coordinate.
+    pub ahead: f64,
 }
 
 /// A robot, or a bench, whose joints are driven.
@@ -51,8 +79,8 @@ pub struct DrivenRobot {
     /// By degree of freedom.
     pub joints: Vec<DrivenJoint>,
     pub gravity_m_s2: f64,
-    /// Where runs begin: a name, and position and speed of every joint.
-    pub starts: Vec<(String, Vec<(f64, f64)>)>,
+    /// Where runs begin: a name, and every joint's start.
+    pub starts: Vec<(String, Vec<Start>)>,
     /// Whether it is a bench rather than a user's robot.
     pub is_bench: bool,
     /// Whether values of the links were fitted and stand in the place of the URDF's.
@@ -94,13 +122,24 @@ impl DrivenRobot {
         let channels = drive.channels.iter().map(|c| ((*c).to_owned(), (*c).to_owned())).collect();
         let starts = setup.map(|s| {
             let (x, v) = s.start;
-            (s.record.clone(), vec![(x / arm, v / arm)])
+            let ahead = if plant.is_parted() { plant.ahead_at_rest(x) } else { 0.0 };
+            (s.record.clone(), vec![Start { position: x / arm, speed: v / arm, ahead }])
         });
+        let coupling = coupling_of(&plant, &drive);
         Ok(Self {
             name: "bench".to_owned(),
             title: model.name(),
             robot: bench_robot(name, slides, plant.rigid.unwrap_or(plant.link_2)),
-            joints: vec![DrivenJoint { name: name.to_owned(), drive, command, arm, sprung: false, channels }],
+            joints: vec![DrivenJoint {
+                name: name.to_owned(),
+                drive,
+                command,
+                arm,
+                coupling,
+                sprung: false,
+                damping: 0.0,
+                channels,
+            }],
             gravity_m_s2: GRAVITY_M_S2,
             starts: starts.into_iter().collect(),
             is_bench: true,
@@ -116,16 +155,33 @@ impl DrivenRobot {
     pub fn of_robot(model: &RobotModel) -> Result<Self, ExportError> {
         let values = model.nominal();
         let robot = model.robot_at(&values);
-        let mut joints = Vec::new();
+        let (mut joints, mut plants) = (Vec::new(), Vec::new());
         for joint in model.driven_joints(&values) {
             let plant = joint.plant()?;
             let drive =
                 BenchDescription::of_plant(joint.drive, &joint.values, &plant, &joint.command, Output::Held);
             let channels = joint.channels.iter().map(|(at, here)| ((*at).to_owned(), here.clone())).collect();
-            let name = joint.name.to_owned();
-            let (command, sprung) = (command_of(&plant), !joint.drive.spec().is_rigid());
-            joints.push(DrivenJoint { name, drive, command, arm: 1.0, sprung, channels });
+            joints.push(DrivenJoint {
+                name: joint.name.to_owned(),
+                command: command_of(&plant),
+                arm: 1.0,
+                coupling: coupling_of(&plant, &drive),
+                sprung: !joint.drive.spec().is_rigid(),
+                damping: joint.damping,
+                drive,
+                channels,
+            });
+            plants.push(plant);
         }
+        let start_of = |(name, start): (&str, &[(f64, f64)])| {
+            let ahead = model.rotors_ahead(&values, &plants, start).into_iter();
+            let of = |((position, speed), ahead): (&(f64, f64), f64)| Start {
+                position: *position,
+                speed: *speed,
+                ahead,
+            };
+            (name.to_owned(), start.iter().zip(ahead).map(of).collect())
+        };
         if let Some(first) = joints.first_mut() {
             first.drive.sensors = model.sensors();
         }
@@ -136,7 +192,7 @@ impl DrivenRobot {
             robot,
             joints,
             gravity_m_s2: GRAVITY_M_S2,
-            starts: model.starts().map(|(name, start)| (name.to_owned(), start.to_vec())).collect(),
+            starts: model.starts().map(start_of).collect(),
             is_bench: false,
         })
     }
@@ -148,6 +204,15 @@ impl DrivenRobot {
 }
 
 impl DrivenJoint {
+    /// The joint of the rotor, the drive's numbers as they are there, and the drive's travel per motion of that joint: the joint
+    /// itself, unless the rotor moves on its own.
+    pub fn at_rotor(&self) -> (String, BenchDescription, f64) {
+        match self.coupling {
+            Some(_) => (format!("{}_rotor", self.name), self.drive.clone(), 1.0),
+            None => (self.name.clone(), self.at_joint(), self.arm),
+        }
+    }
+
     /// The drive's numbers as they are at the joint.
     pub fn at_joint(&self) -> BenchDescription {
         let arm = self.arm;
@@ -208,6 +273,25 @@ fn of_servo(servo: &ServoSpec) -> Vec<Included> {
         say("servo's current_limit_a", Term::CommandLimit { limit });
     }
     said
+}
+
+/// Least step, s, for the oscillation of a rotor against its joint.
+const LEAST_STEP_S: f64 = 1e-6;
+
+/// How much shorter a step of Runge and Kutta's is than one of the project's own, which follows a linear spring implicitly.
+const PARTS: f64 = 3.0;
+
+fn coupling_of(plant: &Plant, drive: &BenchDescription) -> Option<Coupling> {
+    if plant.rigid.is_some() {
+        return None;
+    }
+    let between = drive.sum(|t| if let Term::Backlash { gap } = t { Some(*gap) } else { None });
+    Some(Coupling {
+        damping: plant.laws.spring_damping,
+        in_contact: plant.transmission.gap > 0.0,
+        gap: plant.transmission.gap + between,
+        step_s: plant.step_following(PARTS * STEP_S, PARTS * LEAST_STEP_S) / PARTS,
+    })
 }
 
 fn command_of(plant: &Plant) -> Command {

@@ -5,17 +5,12 @@ use crate::driven::DrivenRobot;
 use crate::note::of_the_log;
 use crate::rigid::Reach;
 use crate::term::Term;
-use crate::text::told;
 
 /// What a robot of driven joints has or leaves out in every format, its sensors and its logger last.
 pub fn of_the_robot(robot: &DrivenRobot) -> Vec<Note> {
     let mut notes = Vec::new();
     if robot.links_fitted {
         notes.push(Note::held("links", "masses, centres and moments as they were fitted"));
-    }
-    for joint in robot.joints.iter().filter(|j| j.sprung) {
-        let how = format!("rotor and link move as one; it has {} N m/rad", told(joint.drive.stiffness));
-        notes.push(Note::lost(format!("spring of {}", joint.name), how));
     }
     let rubbing: Vec<&str> =
         robot.robot.joints.iter().filter(|j| j.friction > 0.0).map(|j| j.name.as_str()).collect();

@@ -1,7 +1,7 @@
 //! Drives without a spring as links and joints with losses and limits.
 
 use crate::Note;
-use crate::driven::{Command, DrivenJoint, DrivenRobot};
+use crate::driven::{Command, DrivenJoint, DrivenRobot, Start};
 use crate::joint_note::{note, of_the_robot};
 use crate::rigid::{Reach, RigidJoint, RigidRobot, driven, moving_friction, speed_limit};
 use crate::term::Term;
@@ -43,11 +43,15 @@ impl RigidRobot {
             joints.push(made);
         }
         if let Some((name, start)) = robot.starts.first() {
-            let of = |(joint, at): (&DrivenJoint, &(f64, f64))| {
-                format!("{} at {}, speed {}", joint.name, told(at.0), told(at.1))
+            let of = |(joint, at): (&DrivenJoint, &Start)| {
+                format!("{} at {}, speed {}", joint.name, told(at.position), told(at.speed))
             };
             let of: Vec<String> = robot.joints.iter().zip(start).map(of).collect();
             notes.push(Note::lost(format!("start of the run {name}"), of.join("; ")));
+        }
+        for joint in robot.joints.iter().filter(|j| j.sprung) {
+            let how = format!("rotor and link move as one; it has {} N m/rad", told(joint.drive.stiffness));
+            notes.push(Note::lost(format!("spring of {}", joint.name), how));
         }
         notes.extend(of_the_robot(robot));
         Self {

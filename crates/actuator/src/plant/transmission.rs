@@ -95,7 +95,7 @@ impl Plant {
 
     /// How far the rotor is ahead of a load that it holds at a position (m), m: half of the play and what gravity deflects.
     #[must_use]
-    pub(crate) fn ahead_at_rest(&self, position: f64) -> f64 {
+    pub fn ahead_at_rest(&self, position: f64) -> f64 {
         let Link::Pendulum { gravity_torque_nm, arm_m, .. } = self.link_2 else { return 0.0 };
         self.ahead_under(gravity_torque_nm * (position / arm_m).sin() / arm_m)
     }

@@ -120,11 +120,7 @@ fn bodies(o: &mut String, bench: &BenchDescription) {
     if let Output::Pendulum { mass_kg, length_m, .. } = bench.output {
         let friction =
             bench.sum(|t| if let Term::OutputFriction { torque } = t { Some(*torque) } else { None });
-        let friction = if friction > 0.0 {
-            format!(" frictionloss=\"{}\" {}", num(friction), holding(step_s(bench)))
-        } else {
-            String::new()
-        };
+        let friction = rubbing(friction, step_s(bench));
         let at = nums(&[0.0, 0.0, -length_m]);
         let friction = friction + &cable(bench);
         // A point mass: its own moments are as good as none.
@@ -224,14 +220,18 @@ pub fn screw_attributes(bench: &BenchDescription, step_s: f64) -> String {
     let damping = if drag == 0.0 { num(bench.damping) } else { nums(&[bench.damping, drag, 0.0]) };
     let mut attributes = format!(" armature=\"{}\" damping=\"{damping}\"", num(bench.inertia));
     if bench.terms().any(|(_, t)| t.dry_friction().is_some()) {
-        let _ = write!(
-            attributes,
-            " frictionloss=\"{}\" {}",
-            num(bench.sum(Term::dry_friction)),
-            holding(step_s)
-        );
+        attributes += &held_by(bench.sum(Term::dry_friction), step_s);
     }
     attributes
+}
+
+/// Dry friction of a joint at a step in s; nothing for none.
+pub fn rubbing(friction: f64, step_s: f64) -> String {
+    if friction > 0.0 { held_by(friction, step_s) } else { String::new() }
+}
+
+fn held_by(friction: f64, step_s: f64) -> String {
+    format!(" frictionloss=\"{}\" {}", num(friction), holding(step_s))
 }
 
 fn tendons(o: &mut String, bench: &BenchDescription) {
@@ -242,22 +242,9 @@ fn tendons(o: &mut String, bench: &BenchDescription) {
     let mut joints = vec![("screw", 1.0)];
     joints.extend(beside_screw(bench));
     let deflection = path(&joints);
-    let mut spring = format!(" stiffness=\"{}\"", stiffness(bench));
-    let damping = spring_damping(bench);
-    if damping > 0.0 {
-        let _ = write!(spring, " damping=\"{}\"", num(damping));
-    }
-    let half_gap = 0.5 * gap(bench);
-    // Without it a tendon is slack where its joints' own springs are.
-    let slack = if cable(bench).is_empty() { "" } else { " springlength=\"0\"" };
-    if half_gap > 0.0 {
-        let _ = write!(spring, " springlength=\"{}\"", nums(&[-half_gap, half_gap]));
-    } else {
-        spring.push_str(slack);
-    }
-    if bench.series().is_none() && bench.output != Output::Held {
-        let _ = write!(spring, " armature=\"{}\"", num(bench.sprung_mass));
-    }
+    let carried =
+        if bench.series().is_none() && bench.output != Output::Held { bench.sprung_mass } else { 0.0 };
+    let spring = spring_attributes(bench, spring_damping(bench), gap(bench), carried);
     fixed("deflection", &spring, &deflection);
     for (_, term) in bench.terms() {
         match *term {
@@ -271,10 +258,33 @@ fn tendons(o: &mut String, bench: &BenchDescription) {
         }
     }
     if let (Some((stiffness, _)), Output::Pendulum { arm_m, .. }) = (bench.series(), bench.output) {
-        let spring = format!(" stiffness=\"{}\"{slack}", num(stiffness));
+        let spring = format!(" stiffness=\"{}\"{}", num(stiffness), slack(bench));
         fixed("series", &spring, &path(&[("screw_end", 1.0), ("lever", -arm_m)]));
     }
     let _ = writeln!(o, "  <tendon>\n{inner}  </tendon>");
+}
+
+/// The spring between rotor and output as attributes of the tendon that has its deflection; `carried` is the mass, kg, that
+/// moves by it.
+pub fn spring_attributes(bench: &BenchDescription, damping: f64, gap: f64, carried: f64) -> String {
+    let mut spring = format!(" stiffness=\"{}\"", stiffness(bench));
+    if damping > 0.0 {
+        let _ = write!(spring, " damping=\"{}\"", num(damping));
+    }
+    if gap > 0.0 {
+        let _ = write!(spring, " springlength=\"{}\"", nums(&[-0.5 * gap, 0.5 * gap]));
+    } else {
+        spring.push_str(slack(bench));
+    }
+    if carried > 0.0 {
+        let _ = write!(spring, " armature=\"{}\"", num(carried));
+    }
+    spring
+}
+
+/// Without it a tendon is slack where its joints' own springs are.
+fn slack(bench: &BenchDescription) -> &'static str {
+    if cable(bench).is_empty() { "" } else { " springlength=\"0\"" }
 }
 
 /// A spring that yields at a force: an elastic element in series with a dry slider.

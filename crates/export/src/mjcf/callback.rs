@@ -1,6 +1,6 @@
 //! The Python beside a bench for MuJoCo: read-outs of its sensors, and callbacks for what MuJoCo has no element for.
 
-use super::bench::beside_screw;
+use super::bench::{beside_screw, gap, spring_damping};
 use super::law::{drive_limits, evaluated, friction_bound, own};
 use super::stages;
 use crate::Note;
@@ -88,7 +88,7 @@ fn joints(bench: &BenchDescription) -> Vec<&'static str> {
     joints
 }
 
-fn slips(bench: &BenchDescription) -> Option<f64> {
+pub fn slips(bench: &BenchDescription) -> Option<f64> {
     bench.find(|t| match *t {
         Term::SpringSlip { stiffness, force } if force > 0.0 => Some(stiffness),
         _ => None,
@@ -118,25 +118,7 @@ fn forces(out: &mut String, bench: &BenchDescription) {
          spring on link 1, positive in compression.\"\"\"\n        delta, delta_dot = data.ten_length[self.deflection], \
          data.ten_velocity[self.deflection]\n",
     );
-    let gap = bench.sum(|t| if let Term::Backlash { gap } = t { Some(*gap) } else { None });
-    if gap > 0.0 {
-        let half = num(0.5 * gap);
-        let _ = writeln!(out, "        left = delta - min(max(delta, -{half}), {half})");
-    } else {
-        out.push_str("        left = delta\n");
-    }
-    let _ = writeln!(out, "        force = {} * left", num(bench.stiffness));
-    for (_, term) in bench.terms() {
-        let line = match *term {
-            Term::Hardening { cubic } => format!("{} * left**3", num(cubic)),
-            Term::SpringDamping { damping } => format!("{} * delta_dot", num(damping)),
-            _ => continue,
-        };
-        let _ = writeln!(out, "        force += {line}");
-    }
-    if let Some(stiffness) = slips(bench) {
-        let _ = writeln!(out, "        force += {} * (delta - data.plastic[self.clamp])", num(stiffness));
-    }
+    of_spring(out, bench, gap(bench), (spring_damping(bench), false));
     if own(bench, "spring").next().is_some() {
         out.push_str("        force += self._beside_spring(left, delta_dot)\n");
     }
@@ -153,6 +135,29 @@ fn forces(out: &mut String, bench: &BenchDescription) {
          acceleration.\"\"\"\n        return self.spring_force(data) + {} * ({acceleration})\n",
         num(bench.sprung_mass)
     );
+}
+
+/// Lines that turn a deflection `delta` and its rate `delta_dot` into the `force` of the spring, whose damping may act in contact
+/// only.
+pub fn of_spring(out: &mut String, bench: &BenchDescription, gap: f64, (damping, in_contact): (f64, bool)) {
+    if gap > 0.0 {
+        let half = num(0.5 * gap);
+        let _ = writeln!(out, "        left = delta - min(max(delta, -{half}), {half})");
+    } else {
+        out.push_str("        left = delta\n");
+    }
+    let _ = writeln!(out, "        force = {} * left", num(bench.stiffness));
+    let cubic = bench.sum(|t| if let Term::Hardening { cubic } = t { Some(*cubic) } else { None });
+    if cubic != 0.0 {
+        let _ = writeln!(out, "        force += {} * left**3", num(cubic));
+    }
+    if damping > 0.0 {
+        let contact = if in_contact { " * (left != 0.0)" } else { "" };
+        let _ = writeln!(out, "        force += {} * delta_dot{contact}", num(damping));
+    }
+    if let Some(stiffness) = slips(bench) {
+        let _ = writeln!(out, "        force += {} * (delta - data.plastic[self.clamp])", num(stiffness));
+    }
 }
 
 fn channels(out: &mut String, bench: &BenchDescription) {
@@ -277,8 +282,7 @@ fn passive(out: &mut String, bench: &BenchDescription) {
     }
     out.push_str("        data.qfrc_passive[self.screw_rate] += on_screw\n");
     if own(bench, "spring").next().is_some() {
-        let gap = bench.sum(|t| if let Term::Backlash { gap } = t { Some(*gap) } else { None });
-        let half = num(0.5 * gap);
+        let half = num(0.5 * gap(bench));
         let _ = writeln!(
             out,
             "        delta, delta_dot = data.ten_length[self.deflection], data.ten_velocity[self.deflection]\n        left = \

@@ -1,9 +1,11 @@
 
 
 class Drive:
-    """A drive at a joint. Its travel y is `arm` times the joint's position; its forces are those along y."""
+    """A drive at a joint. Its travel y is `arm` times the position of its rotor's joint; its forces are those along y."""
 
     arm = 1.0
+    # Whether the rotor has a joint of its own.
+    coupled = False
     # Whether the command passes a delay.
     late = False
     # What a drive has of these is in its own class below.
@@ -11,8 +13,8 @@ class Drive:
 
     def __init__(self, model, joint):
         self.model, self.joint = model, joint
-        self.position = model.joint(joint).qposadr[0]
-        self.rate = model.joint(joint).dofadr[0]
+        self.joint_position = self.position = model.joint(joint).qposadr[0]
+        self.joint_rate = self.rate = model.joint(joint).dofadr[0]
         self.motor = model.actuator(joint).id
         self.buffer = numpy.zeros(1)
         self.through = numpy.zeros(model.nv)
@@ -27,6 +29,10 @@ class Drive:
     def motion(self, data):
         """Travel y and speed."""
         return self.arm * data.qpos[self.position], self.arm * data.qvel[self.rate]
+
+    def output(self, data):
+        """Travel and speed of the joint, as y."""
+        return self.motion(data)
 
     def load(self, data):
         """Force that passes from the drive to what it moves, with the latest acceleration."""

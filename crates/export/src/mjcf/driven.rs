@@ -1,13 +1,20 @@
-//! Drives without a spring for MuJoCo: the links as bodies, every drive as armature, losses and actuator of its joint.
+//! Drives at joints for MuJoCo: the links as bodies, every drive as armature, losses and actuator of its joint.
 //!
 //! MuJoCo integrates the same equations as `sealegs_leg::bench` and `sealegs_actuator::plant`: in the joints' coordinates,
 //! with the rotor's reflected inertia as the joint's armature.
+//!
+//! A rotor that a spring or play parts from its joint `J` has the coordinate `y` of a joint of its own, `J_rotor`, whose
+//! armature it is. That joint slides, whatever the drive does, and its body hangs on the link: MuJoCo keeps the part of a
+//! tendon's armature between two joints only where one carries the other, and a body of no mass that slides feels nothing of
+//! the link's motion. The tendon `J_deflection` has the length `y - arm q`; spring, damping, play and the mass that the spring
+//! carries are the tendon's.
 
-use super::bench::{cable, cogging, drive_attributes, offset, path, screw_attributes, yielding};
+use super::bench::{
+    cable, cogging, drive_attributes, offset, path, rubbing, screw_attributes, spring_attributes, yielding,
+};
 use super::shape::{geom, inertial, place};
 use super::{STEP_S, delayed, driven_callback, driven_notes};
 use crate::Exported;
-use crate::bench::BenchDescription;
 use crate::driven::{Command, DrivenJoint, DrivenRobot};
 use crate::term::Term;
 use crate::text::{escaped, module, num, nums, xml_head};
@@ -57,10 +64,15 @@ pub fn write(robot: &DrivenRobot, stem: &str) -> Exported {
     Exported { text: out, beside: vec![(format!("{}.py", module(stem)), python)], notes }
 }
 
-/// The step, s: the longest in the files, or a fine part of it where an elastic friction yields.
+/// The step, s: the longest in the files, or a fine part of it where an elastic friction or a clamp yields, or a rotor
+/// oscillates against its joint.
 pub fn step_s(robot: &DrivenRobot) -> f64 {
-    let yields = |j: &DrivenJoint| j.drive.terms().any(|(_, t)| matches!(t, Term::Presliding { .. }));
-    if robot.joints.iter().any(yields) { STEP_S / PARTS_FOR_YIELD } else { STEP_S }
+    let yields = |t: &Term| matches!(t, Term::Presliding { .. } | Term::SpringSlip { .. });
+    let of = |j: &DrivenJoint| {
+        let parts = if j.drive.terms().any(|(_, t)| yields(t)) { PARTS_FOR_YIELD } else { 1.0 };
+        j.coupling.as_ref().map_or(STEP_S, |c| c.step_s).min(STEP_S / parts)
+    };
+    robot.joints.iter().map(of).fold(STEP_S, f64::min)
 }
 
 /// A link with all that hangs on it. MuJoCo numbers joints in this order.
@@ -71,7 +83,7 @@ fn body(o: &mut String, robot: &DrivenRobot, link: usize, step_s: f64, indent: &
     let _ = writeln!(o, "{indent}<body name=\"{}\" {}>", escaped(&this.name), place(&at));
     let moved = carrier.and_then(|j| Some((j, &robot.joints[j.dof?])));
     if let Some((joint, driven)) = moved {
-        joint_element(o, joint, &driven.at_joint(), step_s, indent);
+        joint_element(o, joint, driven, step_s, indent);
     }
     let least = Inertial { mass_kg: LEAST, com: Point3::origin(), inertia: Matrix3::identity() * LEAST };
     let own = this.inertial.clone().or(moved.map(|_| least));
@@ -84,15 +96,27 @@ fn body(o: &mut String, robot: &DrivenRobot, link: usize, step_s: f64, indent: &
             geom(o, indent, shape, &format!("group=\"{group}\" {still}"));
         }
     }
+    if let Some((_, driven)) = moved {
+        rotor(o, driven, step_s, indent);
+    }
     for joint in robot.robot.joints.iter().filter(|j| j.parent == link) {
         body(o, robot, joint.child, step_s, &format!("{indent}  "));
     }
     let _ = writeln!(o, "{indent}</body>");
 }
 
-fn joint_element(o: &mut String, joint: &Joint, drive: &BenchDescription, step_s: f64, indent: &str) {
+fn joint_element(o: &mut String, joint: &Joint, driven: &DrivenJoint, step_s: f64, indent: &str) {
     let kind = if joint.kind == JointKind::Prismatic { "slide" } else { "hinge" };
-    let mut more = screw_attributes(drive, step_s) + &cable(drive);
+    let drive = driven.at_joint();
+    let mut more = match driven.coupling {
+        None => screw_attributes(&drive, step_s),
+        Some(_) => {
+            let dry =
+                drive.sum(|t| if let Term::OutputFriction { torque } = t { Some(*torque) } else { None });
+            format!(" damping=\"{}\"", num(driven.damping)) + &rubbing(dry, step_s)
+        }
+    };
+    more += &cable(&drive);
     if joint.limits.lower.is_finite() && joint.limits.upper.is_finite() {
         let _ = write!(more, " range=\"{}\"", nums(&[joint.limits.lower, joint.limits.upper]));
     }
@@ -104,18 +128,47 @@ fn joint_element(o: &mut String, joint: &Joint, drive: &BenchDescription, step_s
     );
 }
 
-/// Elastic frictions: springs that yield.
+/// The joint of a rotor that moves on its own.
+fn rotor(o: &mut String, driven: &DrivenJoint, step_s: f64, indent: &str) {
+    let (name, drive, _) = driven.at_rotor();
+    if driven.coupling.is_none() {
+        return;
+    }
+    let (name, least) = (escaped(&name), num(LEAST));
+    let _ = writeln!(
+        o,
+        "{indent}  <body name=\"{name}\">\n{indent}    <inertial pos=\"0 0 0\" mass=\"{least}\" diaginertia=\"{least} {least} \
+         {least}\"/>\n{indent}    <joint name=\"{name}\" type=\"slide\" axis=\"1 0 0\"{}/>\n{indent}  </body>",
+        screw_attributes(&drive, step_s)
+    );
+}
+
+/// Springs between rotors and joints, and what yields: elastic frictions and clamps.
 fn tendons(o: &mut String, robot: &DrivenRobot) {
     let mut inner = String::new();
+    let mut fixed = |name: String, attributes: &str, path: &str| {
+        let _ = write!(inner, "    <fixed name=\"{name}\"{attributes}>\n{path}    </fixed>\n");
+    };
     for joint in &robot.joints {
-        let name = escaped(&joint.name);
-        for (_, term) in joint.at_joint().terms() {
-            if let Term::Presliding { force, stiffness } = *term
-                && force > 0.0
-            {
-                let (attributes, path) = (yielding(stiffness, force), path(&[(&name, 1.0)]));
-                let _ =
-                    write!(inner, "    <fixed name=\"{name}_presliding\"{attributes}>\n{path}    </fixed>\n");
+        let (name, (at_rotor, drive, _)) = (escaped(&joint.name), joint.at_rotor());
+        let at_rotor = escaped(&at_rotor);
+        let deflection = path(&[(&at_rotor, 1.0), (&name, -joint.arm)]);
+        if let Some(coupling) = &joint.coupling {
+            // What acts only in contact is the callback's.
+            let damping = if coupling.in_contact { 0.0 } else { coupling.damping };
+            let spring = spring_attributes(&drive, damping, coupling.gap, drive.sprung_mass);
+            fixed(format!("{name}_deflection"), &spring, &deflection);
+        }
+        for (_, term) in drive.terms() {
+            match *term {
+                Term::Presliding { force, stiffness } if force > 0.0 => {
+                    let along = path(&[(&at_rotor, 1.0)]);
+                    fixed(format!("{name}_presliding"), &yielding(stiffness, force), &along);
+                }
+                Term::SpringSlip { stiffness, force } if force > 0.0 && joint.coupling.is_some() => {
+                    fixed(format!("{name}_clamp_slip"), &yielding(stiffness, force), &deflection);
+                }
+                _ => {}
             }
         }
     }
@@ -126,12 +179,13 @@ fn tendons(o: &mut String, robot: &DrivenRobot) {
 
 /// The motor under the joint's own name, and what else pushes the joint.
 fn actuators(o: &mut String, joint: &DrivenJoint, step_s: f64) {
-    let (drive, name) = (joint.at_joint(), escaped(&joint.name));
+    let ((at_rotor, drive, arm), name) = (joint.at_rotor(), escaped(&joint.name));
+    let at_rotor = escaped(&at_rotor);
     let late = delayed(drive.delay_s(), step_s);
     let winding = |w: &sealegs_actuator::plant::Winding| {
         format!(
             " gear=\"{}\" motorconst=\"{}\" resistance=\"{}\"",
-            num(joint.arm),
+            num(arm),
             num(w.force_per_current),
             num(w.resistance_ohm)
         )
@@ -141,42 +195,43 @@ fn actuators(o: &mut String, joint: &DrivenJoint, step_s: f64) {
             let limit = drive.command_limit();
             let _ = writeln!(
                 o,
-                "    <general name=\"{name}\" joint=\"{name}\"{}/>",
+                "    <general name=\"{name}\" joint=\"{at_rotor}\"{}/>",
                 drive_attributes(&drive, limit, step_s)
             );
         }
         Command::Voltage(w) => {
             let _ = writeln!(
                 o,
-                "    <dcmotor name=\"{name}\" joint=\"{name}\" input=\"voltage\"{}{late}/>",
+                "    <dcmotor name=\"{name}\" joint=\"{at_rotor}\" input=\"voltage\"{}{late}/>",
                 winding(w)
             );
-            constant(o, &format!("{name}_offset"), &name, drive.offset_force);
+            constant(o, &format!("{name}_offset"), &at_rotor, drive.offset_force);
         }
         Command::Goal(w, servo) => {
             // Duty times supply over the resistance is a current, times the constant a force along y; the loop is one of y, too.
-            let arm = joint.arm;
+            // One that sees the joint and pushes the rotor is the callback's.
+            let held = if joint.coupling.is_some() { 0.0 } else { 1.0 };
             let per_duty = arm * servo.supply_v * w.force_per_current / w.resistance_ohm;
-            let (gain, most) = (per_duty * servo.proportional, (per_duty * servo.duty_limit).abs());
-            let bias = [gain * servo.goal_offset, -gain * arm, -per_duty * servo.derivative * arm];
+            let (gain, most) = (held * per_duty * servo.proportional, (per_duty * servo.duty_limit).abs());
+            let bias = [gain * servo.goal_offset, -gain * arm, -held * per_duty * servo.derivative * arm];
             let _ = writeln!(
                 o,
-                "    <general name=\"{name}\" joint=\"{name}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{}\" forcerange=\"{}\"{late}/>",
+                "    <general name=\"{name}\" joint=\"{at_rotor}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{}\" forcerange=\"{}\"{late}/>",
                 num(gain),
                 nums(&bias),
                 nums(&[-most, most])
             );
             let _ = writeln!(
                 o,
-                "    <dcmotor name=\"{name}_back_emf\" joint=\"{name}\" input=\"none\"{}/>",
+                "    <dcmotor name=\"{name}_back_emf\" joint=\"{at_rotor}\" input=\"none\"{}/>",
                 winding(w)
             );
         }
     }
     for (_, term) in drive.terms() {
-        o.push_str(&cogging(&drive, term, &format!("{name}_cogging"), &name));
+        o.push_str(&cogging(&drive, term, &format!("{name}_cogging"), &at_rotor));
     }
-    o.push_str(&offset(&drive, &format!("{name}_output_offset"), &name));
+    o.push_str(&offset(&joint.at_joint(), &format!("{name}_output_offset"), &name));
 }
 
 /// A constant effort on a joint, as an actuator that follows no control; nothing for none.
@@ -198,14 +253,22 @@ fn keys(o: &mut String, robot: &DrivenRobot) {
     let order = order(robot);
     let _ = writeln!(o, "  <keyframe>");
     for (name, start) in &robot.starts {
-        let of =
-            |pick: fn(&(f64, f64)) -> f64| nums(&order.iter().map(|i| pick(&start[*i])).collect::<Vec<_>>());
+        let (mut position, mut speed) = (Vec::new(), Vec::new());
+        for &i in &order {
+            let (joint, at) = (&robot.joints[i], &start[i]);
+            position.push(at.position);
+            speed.push(at.speed);
+            if joint.coupling.is_some() {
+                position.push(joint.arm * at.position + at.ahead);
+                speed.push(joint.arm * at.speed);
+            }
+        }
         let _ = writeln!(
             o,
             "    <key name=\"{}\" qpos=\"{}\" qvel=\"{}\"/>",
             escaped(name),
-            of(|s| s.0),
-            of(|s| s.1)
+            nums(&position),
+            nums(&speed)
         );
     }
     let _ = writeln!(o, "  </keyframe>");

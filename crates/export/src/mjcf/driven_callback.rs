@@ -1,6 +1,6 @@
-//! The Python beside drives without a spring: their sensors, and callbacks for what MuJoCo has no element for.
+//! The Python beside drives at joints: their sensors, and callbacks for what MuJoCo has no element for.
 
-use super::callback::{PRELUDE, quantisation};
+use super::callback::{PRELUDE, of_spring, quantisation, slips};
 use super::law::{drive_limits, evaluated, friction_bound, own};
 use super::stages;
 use crate::Note;
@@ -41,6 +41,9 @@ pub fn python(robot: &DrivenRobot, stem: &str, notes: &[Note]) -> String {
     if robot.joints.iter().any(|j| matches!(j.command, Command::Goal(..))) {
         out.push_str(include_str!("servo.py"));
     }
+    if robot.joints.iter().any(|j| j.coupling.is_some()) {
+        out.push_str(include_str!("coupled.py"));
+    }
     for (i, joint) in robot.joints.iter().enumerate() {
         drive(&mut out, joint, i + 1);
     }
@@ -76,14 +79,23 @@ fn drive(out: &mut String, joint: &DrivenJoint, number: usize) {
         Command::Goal(..) => "Servo",
     };
     let name = crate::text::comment_line(&joint.name);
+    let base = match (&joint.coupling, base) {
+        (None, _) => base.to_owned(),
+        (Some(_), "Drive") => "Coupled".to_owned(),
+        (Some(_), _) => format!("Coupled, {base}"),
+    };
     let _ =
         writeln!(out, "\n\nclass Drive{number}({base}):\n    \"\"\"The drive of the joint '{name}'.\"\"\"");
     let mut values = Vec::new();
     if joint.arm != 1.0 {
-        values.push(("arm", num(joint.arm)));
+        values.push((if joint.coupling.is_some() { "lever" } else { "arm" }, num(joint.arm)));
     }
     if joint.drive.delay_s() > 0.0 {
         values.push(("late", "True".to_owned()));
+    }
+    if let Some(coupling) = joint.coupling.as_ref().filter(|c| c.in_contact) {
+        values.push(("contact_damping", num(coupling.damping)));
+        values.push(("half_gap", num(0.5 * coupling.gap)));
     }
     match &joint.command {
         Command::Effort => {}
@@ -101,6 +113,7 @@ fn drive(out: &mut String, joint: &DrivenJoint, number: usize) {
     for (field, value) in values {
         let _ = writeln!(out, "    {field} = {value}");
     }
+    spring(out, joint);
     if let Some(bound) = friction_bound(&joint.drive) {
         out.push_str("\n    def friction(self, y, speed, direction, load):\n");
         if joint.drive.terms().any(|(_, term)| matches!(term, Term::Bound { .. })) {
@@ -117,6 +130,22 @@ fn drive(out: &mut String, joint: &DrivenJoint, number: usize) {
         );
     }
     beside(out, joint);
+}
+
+/// The force of the spring between rotor and joint.
+fn spring(out: &mut String, joint: &DrivenJoint) {
+    let Some(coupling) = &joint.coupling else { return };
+    if slips(&joint.drive).is_some() {
+        let tendon = quoted(&format!("{}_clamp_slip", joint.name));
+        let _ = write!(
+            out,
+            "\n    def __init__(self, model, joint):\n        super().__init__(model, joint)\n        self.clamp = \
+             model.tendon_plasticadr[model.tendon({tendon}).id]\n"
+        );
+    }
+    out.push_str("\n    def spring_force(self, delta, delta_dot, data):\n");
+    of_spring(out, &joint.drive, coupling.gap, (coupling.damping, coupling.in_contact));
+    out.push_str("        return force\n");
 }
 
 fn winding_values(winding: &Winding, offset: f64) -> Vec<(&'static str, String)> {
@@ -152,7 +181,12 @@ fn servo_values(servo: &Servo) -> Vec<(&'static str, String)> {
 fn acts(joint: &DrivenJoint) -> bool {
     joint.winding().is_some()
         || !limits(joint).is_empty()
-        || ["rotor", "output"].iter().any(|place| own(&joint.drive, place).next().is_some())
+        || places(joint).iter().any(|place| own(&joint.drive, place).next().is_some())
+}
+
+/// Where a user's own law may act on a drive's motion: the output's is the rotor's unless they move on their own.
+fn places(joint: &DrivenJoint) -> &'static [&'static str] {
+    if joint.coupling.is_some() { &["rotor"] } else { &["rotor", "output"] }
 }
 
 fn limits(joint: &DrivenJoint) -> String {
@@ -176,7 +210,7 @@ fn beside(out: &mut String, joint: &DrivenJoint) {
         "\n    def beside(self, data):\n        \"\"\"Force along y that MuJoCo's own elements do not make.\"\"\"\n        y, y_dot \
          = self.motion(data)\n",
     );
-    if ["rotor", "output"].iter().any(|place| own(drive, place).next().is_some()) {
+    if places(joint).iter().any(|place| own(drive, place).next().is_some()) {
         let _ = writeln!(
             out,
             "        t, F_bs = data.time, self.load(data)  # noqa: F841\n        theta, theta_dot = y / {r}, y_dot / {r}  # noqa: \
@@ -204,7 +238,7 @@ fn beside(out: &mut String, joint: &DrivenJoint) {
         out.push_str(&evaluated(law, "law", 8));
         out.push_str("        beside -= law\n");
     }
-    for law in own(drive, "output") {
+    for law in own(drive, "output").filter(|_| joint.coupling.is_none()) {
         out.push_str("        theta, theta_dot = y / self.arm, y_dot / self.arm  # noqa: F841\n");
         out.push_str(&evaluated(law, "law", 8));
         out.push_str("        beside -= law / self.arm\n");
@@ -223,7 +257,8 @@ fn opening(out: &mut String, robot: &DrivenRobot, class: &str) {
     }
     out.push_str("        ]\n        self.stages = stages()\n");
     let control = robot.joints.iter().any(|j| rubs(j) || quantisation(&j.drive).is_some());
-    let passive = robot.joints.iter().any(acts);
+    let touches = robot.joints.iter().any(|j| j.coupling.as_ref().is_some_and(|c| c.in_contact));
+    let passive = touches || robot.joints.iter().any(acts);
     if control {
         out.push_str("        mujoco.set_mjcb_control(self._control)\n");
     }
@@ -245,6 +280,9 @@ fn opening(out: &mut String, robot: &DrivenRobot, class: &str) {
             "\n    def _passive(self, model, data):\n{guard}            if drive.beside:\n                \
              data.qfrc_passive[drive.rate] += drive.arm * drive.beside(data)\n"
         );
+        if touches {
+            out.push_str("            if drive.coupled:\n                drive.touch(data)\n");
+        }
     }
 }
 
@@ -258,9 +296,15 @@ fn channels(out: &mut String, robot: &DrivenRobot) {
         for (at_drive, shown) in &joint.channels {
             let value = match at_drive.as_str() {
                 "motor_angle_rad" => format!("drive.motion(data)[0] / {}", num(joint.drive.travel_per_rad)),
-                "force_2_n" | "output_torque_nm" => "drive.load(data)".to_owned(),
-                "speed_m_s" | "speed_rad_s" => "data.qvel[drive.rate]".to_owned(),
-                _ => "data.qpos[drive.position]".to_owned(),
+                "force_1_n" | "force_2_n" | "output_torque_nm" => "drive.load(data)".to_owned(),
+                "spring_deflection_m" | "spring_deflection_rad" => {
+                    "data.ten_length[drive.deflection]".to_owned()
+                }
+                "spring_torque_nm" => {
+                    format!("{} * data.ten_length[drive.deflection]", num(joint.drive.nominal_stiffness))
+                }
+                "speed_m_s" | "speed_rad_s" => "data.qvel[drive.joint_rate]".to_owned(),
+                _ => "data.qpos[drive.joint_position]".to_owned(),
             };
             let _ = writeln!(out, "        channels[{}] = {value}", quoted(shown));
         }

@@ -1,4 +1,4 @@
-//! What became of everything that drives without a spring include, in a file for MuJoCo and in the Python beside it.
+//! What became of everything that drives at joints include, in a file for MuJoCo and in the Python beside it.
 
 use super::SHORTEST_DELAY;
 use super::driven::step_s;
@@ -15,6 +15,9 @@ pub fn notes(robot: &DrivenRobot, stem: &str) -> Vec<Note> {
     let mut notes = vec![Note::held("rotors", "armature and damping of their joints")];
     for joint in &robot.joints {
         command(joint, &python, &mut notes);
+    }
+    for joint in robot.joints.iter().filter(|j| j.sprung) {
+        notes.push(Note::held(format!("spring of {}", joint.name), between(joint)));
     }
     let read = format!("{python}: {class}(model).channels(data) gives them as a campaign calls them");
     notes.push(Note::callback("sensors", read));
@@ -94,25 +97,31 @@ fn command(joint: &DrivenJoint, python: &str, notes: &mut Vec<Note>) {
     }
 }
 
+/// Where the rotor meets the joint.
+fn between(joint: &DrivenJoint) -> String {
+    format!("tendon '{0}_deflection' between the joints '{0}_rotor' and '{0}'", joint.name)
+}
+
 /// What becomes of an effect.
 fn effect(id: &str, term: &Term, joint: &DrivenJoint, (python, class): (&str, &str), step_s: f64) -> Note {
     let callback = |how: &str| Note::callback(id, format!("{python}: {how}"));
     let bridge = joint.winding().is_some();
+    let (rotor, parted) = (joint.at_rotor().0, joint.coupling.is_some());
     let name = &joint.name;
     match term {
-        Term::Coulomb { .. } => Note::held(id, format!("frictionloss of the joint '{name}'")),
+        Term::Coulomb { .. } => Note::held(id, format!("frictionloss of the joint '{rotor}'")),
         Term::Stribeck { .. }
         | Term::LoadFriction { .. }
         | Term::ByPower { .. }
         | Term::Warming { .. }
         | Term::Bound { .. }
         | Term::DirectedFriction { .. } => {
-            callback(&format!("sets the frictionloss of the joint '{name}' at every step"))
+            callback(&format!("sets the frictionloss of the joint '{rotor}' at every step"))
         }
         Term::Presliding { .. } => {
             Note::held(id, format!("tendon '{name}_presliding': a spring with springyield, at a finer step"))
         }
-        Term::Drag { .. } => Note::held(id, format!("quadratic damping of the joint '{name}'")),
+        Term::Drag { .. } => Note::held(id, format!("quadratic damping of the joint '{rotor}'")),
         Term::Ripple { .. } => Note::held(id, "cogging of a dcmotor without current"),
         Term::CommandLimit { .. } if bridge => callback("clips the motor's current"),
         Term::CommandLimit { .. } => Note::held(id, format!("ctrlrange of the actuator '{name}'")),
@@ -130,15 +139,29 @@ fn effect(id: &str, term: &Term, joint: &DrivenJoint, (python, class): (&str, &s
             Note::held(id, format!("delay of the actuator '{name}', and half a step for its interpolation"))
         }
         Term::Quantisation { .. } => callback("rounds the control"),
-        Term::SensorLag { .. } | Term::SensorDelay { .. } => {
+        Term::Mode { .. } | Term::SensorLag { .. } | Term::SensorDelay { .. } => {
             callback(&format!("{class}(model).sense(data) passes the channels through it, step by step"))
         }
         Term::OutputOffset { .. } => {
             Note::held(id, format!("actuator '{name}_output_offset', whose control does nothing"))
         }
         Term::Cable { .. } => Note::held(id, format!("stiffness and springref of the joint '{name}'")),
+        Term::Hardening { .. } if parted => Note::held(id, "cubic stiffness of the spring's tendon"),
+        Term::SpringDamping { .. } if parted => Note::held(id, "damping of the spring's tendon"),
+        Term::SpringSlip { .. } if parted => {
+            Note::held(id, format!("tendon '{name}_clamp_slip': a spring with springyield, at a finer step"))
+        }
+        Term::Transmission if joint.coupling.as_ref().is_some_and(|c| c.in_contact) => {
+            callback(&format!("damping while the play is closed; the rest is the {}", between(joint)))
+        }
+        Term::Backlash { .. } | Term::Transmission if parted => Note::held(id, between(joint)),
+        Term::OutputFriction { .. } if parted => {
+            Note::held(id, format!("frictionloss of the joint '{name}'"))
+        }
         Term::Load => Note::held(id, "mass and place of the body 'load'"),
-        Term::Own(own) if matches!(own.acts_on.as_str(), "rotor" | "drive" | "output") => {
+        Term::Own(own)
+            if matches!(own.acts_on.as_str(), "rotor" | "drive") || (own.acts_on == "output" && !parted) =>
+        {
             callback("your law as a force")
         }
         Term::Transmission => {

@@ -13,7 +13,7 @@ mod shape;
 mod stages;
 
 /// The longest step in the files, s: that of the project's own bench.
-const STEP_S: f64 = 1e-4;
+pub const STEP_S: f64 = 1e-4;
 
 /// Attributes of a dry friction that holds, at a step in s. MuJoCo's constraint is soft: with its impedance at the greatest
 /// that is admitted and its time constant at two steps, the shortest that stays stable, it creeps by less than 1e-10 m/s on

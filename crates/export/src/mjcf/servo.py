@@ -18,11 +18,14 @@ class Servo(Winding):
         self.loop_s, self.sum, self.held_duty, self.sample, self.past = 0.0, 0.0, 0.0, 0, []
 
     def held(self, data, y, y_dot):
+        if self.coupled:
+            return self.force(0.0, y_dot)
         proportional, derivative, most = self.file
         volts = proportional * (self.command(data) + self.offset - y) - derivative * y_dot
         return self.force(min(max(volts, -most), most), y_dot)
 
     def asked(self, data, y, y_dot):
+        y, y_dot = self.output(data)
         # The file's delay is half a step longer, for the mean over a step: a loop that samples sees the command itself.
         ahead_s = 0.0 if self.period_s is None else 0.5 * self.model.opt.timestep
         return self.supply_v * self.duty(self.command(data, ahead_s), y, y_dot, data.time)

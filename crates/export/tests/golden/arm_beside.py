@@ -42,9 +42,11 @@ def stages():
 
 
 class Drive:
-    """A drive at a joint. Its travel y is `arm` times the joint's position; its forces are those along y."""
+    """A drive at a joint. Its travel y is `arm` times the position of its rotor's joint; its forces are those along y."""
 
     arm = 1.0
+    # Whether the rotor has a joint of its own.
+    coupled = False
     # Whether the command passes a delay.
     late = False
     # What a drive has of these is in its own class below.
@@ -52,8 +54,8 @@ class Drive:
 
     def __init__(self, model, joint):
         self.model, self.joint = model, joint
-        self.position = model.joint(joint).qposadr[0]
-        self.rate = model.joint(joint).dofadr[0]
+        self.joint_position = self.position = model.joint(joint).qposadr[0]
+        self.joint_rate = self.rate = model.joint(joint).dofadr[0]
         self.motor = model.actuator(joint).id
         self.buffer = numpy.zeros(1)
         self.through = numpy.zeros(model.nv)
@@ -68,6 +70,10 @@ class Drive:
     def motion(self, data):
         """Travel y and speed."""
         return self.arm * data.qpos[self.position], self.arm * data.qvel[self.rate]
+
+    def output(self, data):
+        """Travel and speed of the joint, as y."""
+        return self.motion(data)
 
     def load(self, data):
         """Force that passes from the drive to what it moves, with the latest acceleration."""
@@ -134,13 +140,15 @@ class Robot:
         mujoco.mj_forward(self.model, data)
         channels = {}
         drive = self.drives[0]
-        channels["shoulder.angle_rad"] = data.qpos[drive.position]
-        channels["shoulder.speed_rad_s"] = data.qvel[drive.rate]
+        channels["shoulder.angle_rad"] = data.qpos[drive.joint_position]
+        channels["shoulder.speed_rad_s"] = data.qvel[drive.joint_rate]
         channels["shoulder.motor_angle_rad"] = drive.motion(data)[0] / 0.1
+        channels["shoulder.output_torque_nm"] = drive.load(data)
         drive = self.drives[1]
-        channels["elbow.angle_rad"] = data.qpos[drive.position]
-        channels["elbow.speed_rad_s"] = data.qvel[drive.rate]
+        channels["elbow.angle_rad"] = data.qpos[drive.joint_position]
+        channels["elbow.speed_rad_s"] = data.qvel[drive.joint_rate]
         channels["elbow.motor_angle_rad"] = drive.motion(data)[0] / 0.1
+        channels["elbow.output_torque_nm"] = drive.load(data)
         return channels
 
     def sense(self, data):

@@ -40,9 +40,11 @@ def stages():
 
 
 class Drive:
-    """A drive at a joint. Its travel y is `arm` times the joint's position; its forces are those along y."""
+    """A drive at a joint. Its travel y is `arm` times the position of its rotor's joint; its forces are those along y."""
 
     arm = 1.0
+    # Whether the rotor has a joint of its own.
+    coupled = False
     # Whether the command passes a delay.
     late = False
     # What a drive has of these is in its own class below.
@@ -50,8 +52,8 @@ class Drive:
 
     def __init__(self, model, joint):
         self.model, self.joint = model, joint
-        self.position = model.joint(joint).qposadr[0]
-        self.rate = model.joint(joint).dofadr[0]
+        self.joint_position = self.position = model.joint(joint).qposadr[0]
+        self.joint_rate = self.rate = model.joint(joint).dofadr[0]
         self.motor = model.actuator(joint).id
         self.buffer = numpy.zeros(1)
         self.through = numpy.zeros(model.nv)
@@ -66,6 +68,10 @@ class Drive:
     def motion(self, data):
         """Travel y and speed."""
         return self.arm * data.qpos[self.position], self.arm * data.qvel[self.rate]
+
+    def output(self, data):
+        """Travel and speed of the joint, as y."""
+        return self.motion(data)
 
     def load(self, data):
         """Force that passes from the drive to what it moves, with the latest acceleration."""
@@ -145,11 +151,14 @@ class Servo(Winding):
         self.loop_s, self.sum, self.held_duty, self.sample, self.past = 0.0, 0.0, 0.0, 0, []
 
     def held(self, data, y, y_dot):
+        if self.coupled:
+            return self.force(0.0, y_dot)
         proportional, derivative, most = self.file
         volts = proportional * (self.command(data) + self.offset - y) - derivative * y_dot
         return self.force(min(max(volts, -most), most), y_dot)
 
     def asked(self, data, y, y_dot):
+        y, y_dot = self.output(data)
         # The file's delay is half a step longer, for the mean over a step: a loop that samples sees the command itself.
         ahead_s = 0.0 if self.period_s is None else 0.5 * self.model.opt.timestep
         return self.supply_v * self.duty(self.command(data, ahead_s), y, y_dot, data.time)
@@ -249,9 +258,9 @@ class Bench:
         channels = {}
         drive = self.drives[0]
         channels["motor_angle_rad"] = drive.motion(data)[0] / 1
-        channels["joint_angle_rad"] = data.qpos[drive.position]
+        channels["joint_angle_rad"] = data.qpos[drive.joint_position]
         channels["output_torque_nm"] = drive.load(data)
-        channels["speed_rad_s"] = data.qvel[drive.rate]
+        channels["speed_rad_s"] = data.qvel[drive.joint_rate]
         return channels
 
     def sense(self, data):

@@ -1,7 +1,7 @@
 //! A robot with its drives in parts, for whoever writes it in another format.
 
 use super::RobotModel;
-use super::joint::Column;
+use super::simulate::ahead_at_rest;
 use crate::robot::{JointKind, Robot};
 use sealegs_actuator::bench::BenchModel;
 use sealegs_actuator::plant::Plant;
@@ -20,8 +20,10 @@ pub struct DrivenJoint<'a> {
     pub command: String,
     /// What that column is called on the drive's own bench.
     pub input: &'static str,
-    /// What its motion's sensors show: the column at a drive on its own bench, and here.
+    /// What its sensors can show: the column at a drive on its own bench, and here.
     pub channels: Vec<(&'static str, String)>,
+    /// Viscous damping of the joint itself, behind a series spring, N m s/rad.
+    pub damping: f64,
 }
 
 impl DrivenJoint<'_> {
@@ -53,10 +55,19 @@ impl RobotModel {
                 values: joint.own(values),
                 command: joint.command(),
                 input: joint.input(),
-                channels: Column::MOTION.map(shown).to_vec(),
+                channels: joint.columns().map(shown).collect(),
+                damping: joint.damping,
             }
         });
         described.collect()
+    }
+
+    /// How far the rotor of each driven joint, whose `plants` these are, is ahead of it where a run begins, rad or m: 0 of one
+    /// that moves with its joint.
+    #[must_use]
+    pub fn rotors_ahead(&self, values: &[f64], plants: &[Plant], start: &[(f64, f64)]) -> Vec<f64> {
+        let posture: Vec<f64> = start.iter().map(|(position, _)| *position).collect();
+        ahead_at_rest(&self.tree_at(values), plants, &posture)
     }
 
     /// The robot with the links' masses, centres and moments for parameter `values`. Where they are not the URDF's, the

@@ -137,16 +137,13 @@ impl State {
     /// A robot where a run begins: rotors that do not move with their joints hold them.
     fn of(machine: &Machine, joints: &[(f64, f64)]) -> Self {
         let n = machine.drives.len();
-        let mut equations = machine.tree.equations();
         let mut q: Vec<f64> = joints.iter().map(|s| s.0).collect();
         let mut v: Vec<f64> = joints.iter().map(|s| s.1).collect();
-        let parted: Vec<usize> = (0..n).filter(|&i| machine.rotor[i] != i).collect();
-        if !parted.is_empty() {
-            machine.tree.at(&q, &vec![0.0; n], &mut equations);
-        }
-        for i in parted {
-            q.push(q[i] + machine.drives[i].ahead_under(equations.bias[i]));
-            v.push(v[i]);
+        for (i, ahead) in ahead_at_rest(&machine.tree, &machine.drives, &q).into_iter().enumerate() {
+            if machine.rotor[i] != i {
+                q.push(q[i] + ahead);
+                v.push(v[i]);
+            }
         }
         let count = q.len();
         Self {
@@ -154,7 +151,7 @@ impl State {
             mid_q: q.clone(),
             mid_v: v.clone(),
             travelled: vec![0.0; count],
-            equations,
+            equations: machine.tree.equations(),
             matrix: DMatrix::zeros(count, count),
             force: DVector::zeros(count),
             free: DVector::zeros(count),
@@ -171,6 +168,21 @@ impl State {
             v,
         }
     }
+}
+
+/// How far the rotor of each joint is ahead of it where the robot rests in a posture, rad or m: 0 of one that moves with its
+/// joint.
+pub(super) fn ahead_at_rest(tree: &Tree, drives: &[Plant], posture: &[f64]) -> Vec<f64> {
+    let mut equations = tree.equations();
+    if drives.iter().all(|drive| drive.rigid.is_some()) {
+        return vec![0.0; drives.len()];
+    }
+    tree.at(posture, &vec![0.0; drives.len()], &mut equations);
+    let ahead = |(drive, torque): (&Plant, &f64)| match drive.rigid {
+        Some(_) => 0.0,
+        None => drive.ahead_under(*torque),
+    };
+    drives.iter().zip(equations.bias.iter()).map(ahead).collect()
 }
 
 impl Machine {
