@@ -91,13 +91,29 @@ pub fn lines(parameters: &[ParameterValue]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::toy::parameter;
+    use super::super::outcome::Outcome;
+    use super::super::toy::{parameter, toy};
     use super::*;
     use sealegs_actuator::ActuatorSpec;
     use sealegs_model::Scale;
 
     const DRIVE: &str = "id = \"d\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 0.1\n\
                          rotor_inertia_kg_m2 = 1e-4\nrotor_damping_nm_s = 1e-3\n[transmission]\ntype = \"direct\"\n";
+
+    #[test]
+    fn a_bound_of_the_base_model_is_said_unless_the_named_effects_lead_to_the_noise_floor() {
+        let mut o = toy();
+        let mut assumed = parameter("knee/damping", 1.5e-3, 1e-6, "N m s/rad");
+        (assumed.at_bound, assumed.assumed_about) = (true, Some(1e-3));
+        o.base.parameters.push(assumed.clone());
+        let said = |o: &Outcome| sentence(o.bounded()).is_some();
+        assert!(!said(&o));
+        o.after.as_mut().unwrap().holdout_error = 2.0;
+        assert!(said(&o));
+        o.after.as_mut().unwrap().holdout_error = 1.0;
+        o.after.as_mut().unwrap().parameters.push(assumed);
+        assert!(said(&o));
+    }
 
     #[test]
     fn a_bound_that_nobody_stated_is_said_with_lines_that_a_file_takes() {

@@ -49,6 +49,34 @@ impl Outcome {
         let side = self.after.as_ref().unwrap_or(&self.base);
         side.holdout_error > STAYS * self.noise_floor
     }
+
+    /// The parameters whose unstated bounds matter: the base model's; of the model with the named effects where that ends at
+    /// the noise floor, for a missing effect drives the base model's refit to its bounds, too. None of what was asked for.
+    pub(super) fn bounded(&self) -> &[ParameterValue] {
+        match (self.verdict, &self.after) {
+            ("added", _) => &[],
+            ("missing-effect", Some(after)) if !self.stays() => &after.parameters,
+            _ => &self.base.parameters,
+        }
+    }
+
+    /// Which sets predict the held-out runs better than a curve that leaves so much of them: it follows the fit runs alone.
+    fn better_held_out(&self, of_curve: f64) -> Option<String> {
+        let better: Vec<String> = self
+            .ranking
+            .iter()
+            .filter(|set| set.holdout_error < of_curve)
+            .take(MOST)
+            .map(|set| format!("{} ({})", set.effects.join(" + "), error(set.holdout_error)))
+            .collect();
+        (!better.is_empty()).then(|| {
+            format!(
+                "The held-out runs are predicted better by {}: the curve follows what the fit runs alone show. Fit runs that are more \
+                 like the held-out ones would decide.",
+                better.join(", ")
+            )
+        })
+    }
 }
 
 impl Confidence {
@@ -56,9 +84,7 @@ impl Confidence {
     #[must_use]
     pub fn of(o: &Outcome) -> Self {
         let mut judged = Self::judged(o);
-        if o.verdict != "added" {
-            judged.reasons.splice(0..0, bounds::reason(&o.base.parameters));
-        }
+        judged.reasons.splice(0..0, bounds::reason(o.bounded()));
         judged
     }
 
@@ -73,11 +99,14 @@ impl Confidence {
             "unexplained" => {
                 let base = error(o.base.holdout_error);
                 match &o.law {
-                    Some(law) => reasons.push(format!(
-                        "No known effect is named, as a curve predicts the held-out runs better: {base} noise units with the base \
-                         model, {} with the curve.",
-                        error(law.holdout_error)
-                    )),
+                    Some(law) => {
+                        reasons.push(format!(
+                            "No known effect is named, as a curve explains the fit runs far better than any: {base} noise units on \
+                             the held-out runs with the base model, {} with the curve.",
+                            error(law.holdout_error)
+                        ));
+                        reasons.extend(o.better_held_out(law.holdout_error));
+                    }
                     None => reasons.push(format!(
                         "No known effect, alone or with others, lowers the error on the held-out runs enough to be named: {base} \
                          noise units with the base model."

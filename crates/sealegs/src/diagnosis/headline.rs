@@ -308,6 +308,7 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str, foremost: Op
 mod tests {
     use super::super::confidence::{Confidence, Level};
     use super::super::law::LawSaid;
+    use super::super::outcome::Ranked;
     use super::super::toy::{html, toy};
     use super::*;
     use sealegs_model::{Curve, Factor, Law, Over};
@@ -420,7 +421,7 @@ mod tests {
         let page = html(&o);
         for words in [
             "something at knee/rotor that depends on speed",
-            "40.0 noise units with the base model, 1.26 with the curve",
+            "40.0 noise units on the held-out runs with the base model, 1.26 with the curve",
             "+ knee/unknown-at-rotor",
             "Held-out runs: 40.0 → 1.26 noise units; fit runs: 40.0 → 1.02, with the curve.",
         ] {
@@ -428,5 +429,10 @@ mod tests {
         }
         // What the curve takes is described by the curve.
         assert!(!o.confidence.reasons.contains(&o.remainder[0]));
+        // A set that the held-out runs prefer is said beside it.
+        let rival = Ranked { holdout_error: 1.2, ..o.ranking[0].clone() };
+        o.ranking.push(rival);
+        let said = Confidence::of(&o).reasons.concat();
+        assert!(said.contains("predicted better by") && said.contains("(1.20)"), "{said}");
     }
 }

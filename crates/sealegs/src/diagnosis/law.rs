@@ -33,9 +33,14 @@ impl LawSaid {
     pub fn of(diagnosis: &Diagnosis) -> Option<Self> {
         let judged = diagnosis.verdict.law.as_ref()?;
         let found = &diagnosis.found.laws[judged.which];
+        // What the rotor lacks and the command tells is the drive's.
+        let port = match found.law.acts_on.as_str() {
+            "drive" => found.law.place.as_ref().map_or("drive".to_owned(), |place| format!("{place}/drive")),
+            _ => found.port.clone(),
+        };
         Some(Self {
             effect: found.law.effect(),
-            port: found.port.clone(),
+            port,
             depends_on: found.on.to_owned(),
             beside: diagnosis.verdict.effects.clone(),
             holdout_error: judged.holdout_error,

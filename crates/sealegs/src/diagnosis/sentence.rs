@@ -38,7 +38,7 @@ pub(super) fn sentence(o: &Outcome) -> String {
     let pictured = o.worst_channels(1).filter(|_| o.base.holdout_error >= FAR);
     let pictured = pictured.map_or_else(String::new, |w| format!(" Root mean square, held-out: {w}."));
     let law = o.law.as_ref().map_or_else(String::new, |law| format!(" Beyond the catalogue, {}", law.said()));
-    let first = super::bounds::sentence(&o.base.parameters).filter(|_| o.verdict != "added");
+    let first = super::bounds::sentence(o.bounded());
     let first = first.map_or_else(String::new, |first| format!("{first} "));
     let verdict = match (o.verdict, &o.after) {
         ("adequate", _) => format!(

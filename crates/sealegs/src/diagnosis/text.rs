@@ -19,7 +19,7 @@ pub fn of(outcome: &Outcome, took: Duration) -> String {
     for reason in &outcome.confidence.reasons {
         let _ = writeln!(o, "  {reason}");
     }
-    o.push_str(&super::bounds::lines(&outcome.base.parameters));
+    o.push_str(&super::bounds::lines(outcome.bounded()));
     o.push_str(&crate::sanity::text(&outcome.sanity));
     let _ = writeln!(o);
     let said = |s: &&String| !outcome.confidence.reasons.contains(s);
