@@ -130,6 +130,27 @@ fn reference_a_joint_that_follows_goals_is_as_on_its_bench() {
 }
 
 #[test]
+fn reference_a_run_has_its_servo_gain() {
+    const GAIN: f64 = 0.3;
+    let record = record(&[("hinge.position_rad", &goal)], &[("hinge.angle_rad", 0.0)]);
+    let folder = folder();
+    let arm = robot(folder.path(), ARM, SERVO);
+    let bench = on_bench(SERVO).with_step(2e-5);
+    let at = bench_record(&record, bench.spec());
+    let setup = RunSetup::of_record(&at, bench.spec(), bench.bench(), GAIN);
+    let bench = bench.with_runs(vec![setup]).expect("a rig");
+    let truth = bench.predict(&values(&bench), &at, &["joint_angle_rad".to_owned()]).expect("finite");
+    let off = |arm: &RobotModel| {
+        let shown = arm.predict(&values(arm), &record, &["hinge.angle_rad".to_owned()]).expect("finite");
+        farthest(&shown.outputs[0].values, &truth.outputs[0].values)
+    };
+    assert!(off(&at_rest(arm.clone(), &record)) > 0.05);
+    let with = arm.with_servo_gains([(record.name.clone(), GAIN)].into()).with_step(5e-4);
+    let with = at_rest(with, &record);
+    assert!(off(&with) < 1e-3, "{}", off(&with));
+}
+
+#[test]
 fn reference_a_joint_under_a_voltage_with_supply_and_switch() {
     let volts = |t: f64| 3.0 * (5.0 * t).sin() + if t > 0.5 { 2.0 } else { -1.0 };
     let voltage = record(&[("hinge.voltage_v", &volts)], &[("hinge.angle_rad", 0.3)]);

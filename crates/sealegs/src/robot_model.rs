@@ -12,6 +12,7 @@ use sealegs_actuator::spec::SensorSpec;
 use sealegs_leg::bench::{RobotFile, RobotModel};
 use sealegs_model::Model;
 use sealegs_sysid::Campaign;
+use sealegs_sysid::campaign::Run;
 use sealegs_sysid::diagnose::{Experiment, Limits};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -97,7 +98,9 @@ pub fn of_source(
         campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
     }
     let records: Vec<_> = campaign.runs.iter().map(|run| &run.record).collect();
-    Ok(model.for_records(&records))
+    let gain = |run: &Run| Some((run.record.name.clone(), run.rig.servo_gain?));
+    let gains = campaign.runs.iter().filter_map(gain).collect();
+    Ok(model.with_servo_gains(gains).for_records(&records))
 }
 
 impl CampaignModel for RobotModel {

@@ -54,6 +54,8 @@ pub struct RobotModel {
     pub(super) joints: Vec<Joint>,
     /// The robot as its URDF and its drives' files have it, without the values and effects of its own file.
     pub(super) plain: Option<Arc<Self>>,
+    /// Factors of the servos' proportional gains by the record's name, where they are not 1.
+    gains: BTreeMap<String, f64>,
     links: Vec<LinkParameters>,
     pub(super) parameters: Vec<Parameter>,
     /// Included effects: the joint and the id there.
@@ -136,6 +138,7 @@ impl RobotModel {
             tree,
             joints,
             plain: None,
+            gains: BTreeMap::new(),
             links,
             parameters,
             included: Vec::new(),
@@ -250,11 +253,24 @@ impl RobotModel {
         Ok(())
     }
 
+    /// The same robot whose servos have other proportional gains in some records: factors by the record's name.
+    #[must_use]
+    pub fn with_servo_gains(mut self, gains: BTreeMap<String, f64>) -> Self {
+        let plain = |plain: Arc<Self>| Arc::new(Self { gains: gains.clone(), ..plain.as_ref().clone() });
+        self.plain = self.plain.map(plain);
+        self.gains = gains;
+        self
+    }
+
     /// The robot with parameter values in place, each drive told what it is in the record.
     fn machine(&self, values: &[f64], record: &Record) -> Result<Machine, ModelError> {
         let plant = |joint: &Joint| {
             let input = joint.command_in(record)?.map_or(joint.effort(), |(input, _)| input);
-            joint.model.plant(&joint.own(values), input)
+            let mut plant = joint.model.plant(&joint.own(values), input)?;
+            if let Some((servo, gain)) = plant.servo.as_mut().zip(self.gains.get(&record.name)) {
+                servo.proportional *= gain;
+            }
+            Ok(plant)
         };
         let drives = self.joints.iter().map(plant).collect::<Result<Vec<Plant>, ModelError>>()?;
         let damping = self.joints.iter().map(|joint| joint.damping).collect();

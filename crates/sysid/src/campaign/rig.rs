@@ -18,7 +18,7 @@ pub struct RigValues {
     pub arm_m: Option<f64>,
     /// What a rotary drive on the bench `free` turns beside itself, kg m^2.
     pub inertia_kg_m2: Option<f64>,
-    /// Factor of the servo's proportional gain.
+    /// Factor of the servo's proportional gain, on a robot of every servo's.
     pub servo_gain: Option<f64>,
 }
 
@@ -57,7 +57,8 @@ impl RigValues {
             _ => return Err(format!("is no number of a rig (known: {})", RIG_KEYS.join(", "))),
         };
         let whose: &[Bench] = match key {
-            "mass_kg" | "servo_gain" => &[Bench::Pendulum, Bench::Free],
+            "mass_kg" => &[Bench::Pendulum, Bench::Free],
+            "servo_gain" => &[Bench::Pendulum, Bench::Free, Bench::Robot],
             "inertia_kg_m2" => &[Bench::Free],
             _ => &[Bench::Pendulum],
         };
