@@ -1,13 +1,14 @@
 //! What a verdict names and calls indistinguishable: richer laws only where the data leave open what they add, what
-//! one moment alone has felt where it explains all of it, a count a thousandth of the greatest command, and a delay that
-//! may be a sample longer.
+//! one moment alone has felt where it explains all of it, a count a thousandth of the greatest command, a delay that
+//! may be a sample longer, and a curve where no effect explains anything.
 
 use sealegs::bench_model;
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::Bench;
 use sealegs_actuator::excitation::Profile;
 use sealegs_reference::Reference;
-use sealegs_sysid::diagnose::Diagnosis;
+use sealegs_reference::campaign::{Hidden, Order, Rig, SUBSTEPS};
+use sealegs_sysid::diagnose::{Diagnosis, VerdictKind};
 use sealegs_sysid::{Campaign, diagnose};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -162,4 +163,30 @@ fn a_delay_may_be_a_sample_longer_or_shorter_by_the_end_of_a_period_that_rows_ar
     );
     let off = [stated.value, *other].map(|value| (value - DELAY_S).abs());
     assert!(off.iter().any(|off| *off < 4.0 * stated.std), "{off:?} off, standard error {}", stated.std);
+}
+
+#[test]
+fn a_curve_that_takes_what_no_effect_takes_ends_the_search() {
+    let id = "kinked-spring";
+    let order = Order {
+        name: id.to_owned(),
+        rig: Rig::Locked,
+        seed: 5,
+        hidden: vec![Hidden::drawn(id, 5, 1.0)],
+        duration_s: 6.0,
+        substeps: SUBSTEPS,
+        rough: Vec::new(),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for (file, text) in order.make().files() {
+        std::fs::write(folder.path().join(file), text).unwrap();
+    }
+    let mut campaign = Campaign::read(folder.path()).unwrap();
+    let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
+    let Diagnosis { verdict, found, .. } = diagnose::diagnose(&campaign, &model, &|_| ()).unwrap();
+    assert_eq!(verdict.kind, VerdictKind::Unexplained);
+    let law = verdict.law.expect("a curve");
+    let curve = &found.laws[law.which];
+    assert!((curve.law.acts_on.as_str(), curve.on) == ("spring", "deflection") && law.explained > 0.9);
+    assert!(found.tried.iter().all(|set| set.effects.len() < 2), "a pair was fitted");
 }
