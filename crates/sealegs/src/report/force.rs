@@ -8,6 +8,10 @@ use sealegs_recorder::chart::{Axis, Chart, Dash, Hue, Marker};
 /// Bins from which a constant is told from a law that is wrong somewhere.
 const FEWEST_BINS: usize = 4;
 
+/// Departure of a bin's gap from the mean one, as a share of that, up to which the gap is a constant: beyond a quarter the two
+/// curves have visibly another shape.
+const ALIKE: f64 = 0.25;
+
 /// What the missing signal of a port is called.
 fn kind(force: &ForceSaid) -> &'static str {
     match force.port.contains("sensor/") {
@@ -109,7 +113,7 @@ fn constant(force: &ForceSaid) -> Option<f64> {
     }
     let mean = gaps().map(|(gap, _)| gap).sum::<f64>() / count as f64;
     let clear = gaps().filter(|(gap, half)| gap.abs() > *half).count();
-    let alike = gaps().all(|(gap, half)| (gap - mean).abs() <= (0.25 * mean.abs()).max(half));
+    let alike = gaps().all(|(gap, half)| (gap - mean).abs() <= (ALIKE * mean.abs()).max(half));
     (2 * clear > count && alike).then_some(mean)
 }
 
