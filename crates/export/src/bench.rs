@@ -125,6 +125,26 @@ impl BenchDescription {
         self.effects.iter().find_map(|e| of(&e.term))
     }
 
+    /// Cubic stiffness of the spring.
+    pub fn cubic(&self) -> f64 {
+        self.sum(|t| if let Term::Hardening { cubic } = t { Some(*cubic) } else { None })
+    }
+
+    /// Viscous damping beside the spring.
+    pub fn spring_damping(&self) -> f64 {
+        self.sum(|t| if let Term::SpringDamping { damping } = t { Some(*damping) } else { None })
+    }
+
+    /// Width of the play in the spring's path.
+    pub fn gap(&self) -> f64 {
+        self.sum(|t| if let Term::Backlash { gap } = t { Some(*gap) } else { None })
+    }
+
+    /// Dry friction of the output's joint, N m.
+    pub fn output_friction(&self) -> f64 {
+        self.sum(|t| if let Term::OutputFriction { torque } = t { Some(*torque) } else { None })
+    }
+
     /// The series compliance: stiffness and the mass that it carries.
     pub fn series(&self) -> Option<(f64, f64)> {
         self.find(|t| match *t {

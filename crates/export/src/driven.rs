@@ -285,11 +285,10 @@ fn coupling_of(plant: &Plant, drive: &BenchDescription) -> Option<Coupling> {
     if plant.rigid.is_some() {
         return None;
     }
-    let between = drive.sum(|t| if let Term::Backlash { gap } = t { Some(*gap) } else { None });
     Some(Coupling {
         damping: plant.laws.spring_damping,
         in_contact: plant.transmission.gap > 0.0,
-        gap: plant.transmission.gap + between,
+        gap: plant.transmission.gap + drive.gap(),
         step_s: plant.step_following(PARTS * STEP_S, PARTS * LEAST_STEP_S) / PARTS,
     })
 }

@@ -122,10 +122,7 @@ impl RigidRobot {
                 (link("sprung_mass", moment, Point3::origin(), moment), JointKind::Continuous, -Vector3::x())
             }
         };
-        let spring_damping =
-            bench.sum(|t| if let Term::SpringDamping { damping } = t { Some(*damping) } else { None });
-        let at_output =
-            bench.sum(|t| if let Term::OutputFriction { torque } = t { Some(*torque) } else { None });
+        let (spring_damping, at_output) = (bench.spring_damping(), bench.output_friction());
         drive.friction_at_rest += at_output;
         let effort = bench.command_limit().map_or(f64::INFINITY, |limit| limit * bench.gain.abs() * arm);
         // The spring's own force must not be clipped with the motor's.

@@ -1,4 +1,4 @@
-//! Drives without a spring as links and joints with losses and limits.
+//! Drives at joints as links and joints with losses and limits, their springs rigid.
 
 use crate::Note;
 use crate::driven::{Command, DrivenJoint, DrivenRobot, Start};

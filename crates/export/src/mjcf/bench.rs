@@ -10,6 +10,7 @@
 //! therefore hangs on the lever, and slides along the lever's axis, where the lever does not move it.
 
 use super::driven::constant;
+use super::tendon::{fixed, yielding};
 use super::{STEP_S, bench_notes, callback, delayed, holding};
 use crate::Exported;
 use crate::bench::{BenchDescription, Output};
@@ -84,8 +85,13 @@ pub fn step_s(bench: &BenchDescription) -> f64 {
         let mass = (mass + bench.sprung_mass).max(LEAST_SHARE * bench.inertia);
         ((stiffness + bench.stiffness) / mass).sqrt()
     });
+    STEP_S / (STEP_S * fastest / MOST_ANGLE).ceil().max(parts_for_yield(bench))
+}
+
+/// Parts of the longest step for what yields; 1 where nothing does.
+pub fn parts_for_yield(bench: &BenchDescription) -> f64 {
     let yields = bench.terms().any(|(_, t)| matches!(t, Term::Presliding { .. } | Term::SpringSlip { .. }));
-    STEP_S / (STEP_S * fastest / MOST_ANGLE).ceil().max(if yields { PARTS_FOR_YIELD } else { 1.0 })
+    if yields { PARTS_FOR_YIELD } else { 1.0 }
 }
 
 fn bodies(o: &mut String, bench: &BenchDescription) {
@@ -118,9 +124,7 @@ fn bodies(o: &mut String, bench: &BenchDescription) {
         (None, Output::Pendulum { .. }) => {}
     }
     if let Output::Pendulum { mass_kg, length_m, .. } = bench.output {
-        let friction =
-            bench.sum(|t| if let Term::OutputFriction { torque } = t { Some(*torque) } else { None });
-        let friction = rubbing(friction, step_s(bench));
+        let friction = rubbing(bench.output_friction(), step_s(bench));
         let at = nums(&[0.0, 0.0, -length_m]);
         let friction = friction + &cable(bench);
         // A point mass: its own moments are as good as none.
@@ -187,16 +191,8 @@ fn wobbling(o: &mut String, bench: &BenchDescription) {
 
 /// `k`, or `k 0 k_3` for a hardening spring.
 pub fn stiffness(bench: &BenchDescription) -> String {
-    let cubic = bench.sum(|t| if let Term::Hardening { cubic } = t { Some(*cubic) } else { None });
+    let cubic = bench.cubic();
     if cubic == 0.0 { num(bench.stiffness) } else { nums(&[bench.stiffness, 0.0, cubic]) }
-}
-
-pub fn spring_damping(bench: &BenchDescription) -> f64 {
-    bench.sum(|t| if let Term::SpringDamping { damping } = t { Some(*damping) } else { None })
-}
-
-pub fn gap(bench: &BenchDescription) -> f64 {
-    bench.sum(|t| if let Term::Backlash { gap } = t { Some(*gap) } else { None })
 }
 
 /// The joint whose coordinate the deflection has beside the screw's, and how much of it.
@@ -206,12 +202,6 @@ pub fn beside_screw(bench: &BenchDescription) -> Option<(&'static str, f64)> {
         (None, Output::Pendulum { arm_m, .. }) => Some(("lever", -arm_m)),
         (None, Output::Held) => None,
     }
-}
-
-pub fn path(joints: &[(&str, f64)]) -> String {
-    let one =
-        |(name, coef): &(&str, f64)| format!("      <joint joint=\"{name}\" coef=\"{}\"/>\n", num(*coef));
-    joints.iter().map(one).collect()
 }
 
 /// What the rotor is, as attributes of the screw's joint, at a step in s.
@@ -236,30 +226,16 @@ fn held_by(friction: f64, step_s: f64) -> String {
 
 fn tendons(o: &mut String, bench: &BenchDescription) {
     let mut inner = String::new();
-    let mut fixed = |name: &str, attributes: &str, path: &str| {
-        let _ = write!(inner, "    <fixed name=\"{name}\"{attributes}>\n{path}    </fixed>\n");
-    };
-    let mut joints = vec![("screw", 1.0)];
-    joints.extend(beside_screw(bench));
-    let deflection = path(&joints);
+    let mut deflection = vec![("screw", 1.0)];
+    deflection.extend(beside_screw(bench));
     let carried =
         if bench.series().is_none() && bench.output != Output::Held { bench.sprung_mass } else { 0.0 };
-    let spring = spring_attributes(bench, spring_damping(bench), gap(bench), carried);
-    fixed("deflection", &spring, &deflection);
-    for (_, term) in bench.terms() {
-        match *term {
-            Term::Presliding { force, stiffness } if force > 0.0 => {
-                fixed("presliding", &yielding(stiffness, force), &path(&[("screw", 1.0)]));
-            }
-            Term::SpringSlip { stiffness, force } if force > 0.0 => {
-                fixed("clamp_slip", &yielding(stiffness, force), &deflection);
-            }
-            _ => {}
-        }
-    }
+    let spring = spring_attributes(bench, bench.spring_damping(), bench.gap(), carried);
+    fixed(&mut inner, "deflection", &spring, &deflection);
+    yielding(&mut inner, bench, "", "screw", &deflection);
     if let (Some((stiffness, _)), Output::Pendulum { arm_m, .. }) = (bench.series(), bench.output) {
         let spring = format!(" stiffness=\"{}\"{}", num(stiffness), slack(bench));
-        fixed("series", &spring, &path(&[("screw_end", 1.0), ("lever", -arm_m)]));
+        fixed(&mut inner, "series", &spring, &[("screw_end", 1.0), ("lever", -arm_m)]);
     }
     let _ = writeln!(o, "  <tendon>\n{inner}  </tendon>");
 }
@@ -285,11 +261,6 @@ pub fn spring_attributes(bench: &BenchDescription, damping: f64, gap: f64, carri
 /// Without it a tendon is slack where its joints' own springs are.
 fn slack(bench: &BenchDescription) -> &'static str {
     if cable(bench).is_empty() { "" } else { " springlength=\"0\"" }
-}
-
-/// A spring that yields at a force: an elastic element in series with a dry slider.
-pub fn yielding(stiffness: f64, force: f64) -> String {
-    format!(" stiffness=\"{}\" springlength=\"0\" springyield=\"{}\"", num(stiffness), num(force / stiffness))
 }
 
 fn drive(o: &mut String, bench: &BenchDescription) {

@@ -1,7 +1,7 @@
 //! What became of everything that a bench includes, in a file for MuJoCo and in the Python beside it.
 
 use super::SHORTEST_DELAY;
-use super::bench::{gap, step_s};
+use super::bench::step_s;
 use crate::Note;
 use crate::bench::BenchDescription;
 use crate::note::of_the_log;
@@ -52,7 +52,7 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
             }
             Term::Quantisation { .. } => callback("rounds the control"),
             Term::Hardening { .. } => Note::held(id, "cubic stiffness"),
-            Term::SpringDamping { .. } if gap(bench) > 0.0 => {
+            Term::SpringDamping { .. } if bench.gap() > 0.0 => {
                 Note::near(id, "damping beside the spring, within the play too")
             }
             Term::SpringDamping { .. } => Note::held(id, "damping of the tendon 'deflection'"),

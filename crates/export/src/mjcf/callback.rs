@@ -1,6 +1,6 @@
 //! The Python beside a bench for MuJoCo: read-outs of its sensors, and callbacks for what MuJoCo has no element for.
 
-use super::bench::{beside_screw, gap, spring_damping};
+use super::bench::beside_screw;
 use super::law::{drive_limits, evaluated, friction_bound, own};
 use super::stages;
 use crate::Note;
@@ -118,7 +118,7 @@ fn forces(out: &mut String, bench: &BenchDescription) {
          spring on link 1, positive in compression.\"\"\"\n        delta, delta_dot = data.ten_length[self.deflection], \
          data.ten_velocity[self.deflection]\n",
     );
-    of_spring(out, bench, gap(bench), (spring_damping(bench), false));
+    of_spring(out, bench, bench.gap(), (bench.spring_damping(), false));
     if own(bench, "spring").next().is_some() {
         out.push_str("        force += self._beside_spring(left, delta_dot)\n");
     }
@@ -147,7 +147,7 @@ pub fn of_spring(out: &mut String, bench: &BenchDescription, gap: f64, (damping,
         out.push_str("        left = delta\n");
     }
     let _ = writeln!(out, "        force = {} * left", num(bench.stiffness));
-    let cubic = bench.sum(|t| if let Term::Hardening { cubic } = t { Some(*cubic) } else { None });
+    let cubic = bench.cubic();
     if cubic != 0.0 {
         let _ = writeln!(out, "        force += {} * left**3", num(cubic));
     }
@@ -282,7 +282,7 @@ fn passive(out: &mut String, bench: &BenchDescription) {
     }
     out.push_str("        data.qfrc_passive[self.screw_rate] += on_screw\n");
     if own(bench, "spring").next().is_some() {
-        let half = num(0.5 * gap(bench));
+        let half = num(0.5 * bench.gap());
         let _ = writeln!(
             out,
             "        delta, delta_dot = data.ten_length[self.deflection], data.ten_velocity[self.deflection]\n        left = \

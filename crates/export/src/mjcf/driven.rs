@@ -10,13 +10,13 @@
 //! carries are the tendon's.
 
 use super::bench::{
-    cable, cogging, drive_attributes, offset, path, rubbing, screw_attributes, spring_attributes, yielding,
+    cable, cogging, drive_attributes, offset, parts_for_yield, rubbing, screw_attributes, spring_attributes,
 };
-use super::shape::{geom, inertial, place};
+use super::shape::{coordinate, geom, inertial, place};
+use super::tendon::{fixed, yielding};
 use super::{STEP_S, delayed, driven_callback, driven_notes};
 use crate::Exported;
 use crate::driven::{Command, DrivenJoint, DrivenRobot};
-use crate::term::Term;
 use crate::text::{escaped, module, num, nums, xml_head};
 use nalgebra::{Matrix3, Point3};
 use sealegs_leg::robot::{Inertial, Joint, JointKind};
@@ -24,9 +24,6 @@ use std::fmt::Write;
 
 /// Least mass, kg, and moment of inertia, kg m^2, of a body that moves: MuJoCo refuses less than 1e-15.
 const LEAST: f64 = 1e-12;
-
-/// Parts of the longest step where an elastic friction yields: see [`super::bench::step_s`].
-const PARTS_FOR_YIELD: f64 = 5.0;
 
 pub fn write(robot: &DrivenRobot, stem: &str) -> Exported {
     let notes = driven_notes::notes(robot, stem);
@@ -67,10 +64,8 @@ pub fn write(robot: &DrivenRobot, stem: &str) -> Exported {
 /// The step, s: the longest in the files, or a fine part of it where an elastic friction or a clamp yields, or a rotor
 /// oscillates against its joint.
 pub fn step_s(robot: &DrivenRobot) -> f64 {
-    let yields = |t: &Term| matches!(t, Term::Presliding { .. } | Term::SpringSlip { .. });
     let of = |j: &DrivenJoint| {
-        let parts = if j.drive.terms().any(|(_, t)| yields(t)) { PARTS_FOR_YIELD } else { 1.0 };
-        j.coupling.as_ref().map_or(STEP_S, |c| c.step_s).min(STEP_S / parts)
+        j.coupling.as_ref().map_or(STEP_S, |c| c.step_s).min(STEP_S / parts_for_yield(&j.drive))
     };
     robot.joints.iter().map(of).fold(STEP_S, f64::min)
 }
@@ -111,9 +106,7 @@ fn joint_element(o: &mut String, joint: &Joint, driven: &DrivenJoint, step_s: f6
     let mut more = match driven.coupling {
         None => screw_attributes(&drive, step_s),
         Some(_) => {
-            let dry =
-                drive.sum(|t| if let Term::OutputFriction { torque } = t { Some(*torque) } else { None });
-            format!(" damping=\"{}\"", num(driven.damping)) + &rubbing(dry, step_s)
+            format!(" damping=\"{}\"", num(driven.damping)) + &rubbing(drive.output_friction(), step_s)
         }
     };
     more += &cable(&drive);
@@ -130,47 +123,28 @@ fn joint_element(o: &mut String, joint: &Joint, driven: &DrivenJoint, step_s: f6
 
 /// The joint of a rotor that moves on its own.
 fn rotor(o: &mut String, driven: &DrivenJoint, step_s: f64, indent: &str) {
-    let (name, drive, _) = driven.at_rotor();
     if driven.coupling.is_none() {
         return;
     }
-    let (name, least) = (escaped(&name), num(LEAST));
-    let _ = writeln!(
-        o,
-        "{indent}  <body name=\"{name}\">\n{indent}    <inertial pos=\"0 0 0\" mass=\"{least}\" diaginertia=\"{least} {least} \
-         {least}\"/>\n{indent}    <joint name=\"{name}\" type=\"slide\" axis=\"1 0 0\"{}/>\n{indent}  </body>",
-        screw_attributes(&drive, step_s)
-    );
+    let (name, drive, _) = driven.at_rotor();
+    coordinate(o, &format!("{indent}  "), &escaped(&name), LEAST, &screw_attributes(&drive, step_s));
 }
 
 /// Springs between rotors and joints, and what yields: elastic frictions and clamps.
 fn tendons(o: &mut String, robot: &DrivenRobot) {
     let mut inner = String::new();
-    let mut fixed = |name: String, attributes: &str, path: &str| {
-        let _ = write!(inner, "    <fixed name=\"{name}\"{attributes}>\n{path}    </fixed>\n");
-    };
     for joint in &robot.joints {
         let (name, (at_rotor, drive, _)) = (escaped(&joint.name), joint.at_rotor());
         let at_rotor = escaped(&at_rotor);
-        let deflection = path(&[(&at_rotor, 1.0), (&name, -joint.arm)]);
+        let mut deflection = Vec::new();
         if let Some(coupling) = &joint.coupling {
+            deflection = vec![(at_rotor.as_str(), 1.0), (name.as_str(), -joint.arm)];
             // What acts only in contact is the callback's.
             let damping = if coupling.in_contact { 0.0 } else { coupling.damping };
             let spring = spring_attributes(&drive, damping, coupling.gap, drive.sprung_mass);
-            fixed(format!("{name}_deflection"), &spring, &deflection);
+            fixed(&mut inner, &format!("{name}_deflection"), &spring, &deflection);
         }
-        for (_, term) in drive.terms() {
-            match *term {
-                Term::Presliding { force, stiffness } if force > 0.0 => {
-                    let along = path(&[(&at_rotor, 1.0)]);
-                    fixed(format!("{name}_presliding"), &yielding(stiffness, force), &along);
-                }
-                Term::SpringSlip { stiffness, force } if force > 0.0 && joint.coupling.is_some() => {
-                    fixed(format!("{name}_clamp_slip"), &yielding(stiffness, force), &deflection);
-                }
-                _ => {}
-            }
-        }
+        yielding(&mut inner, &drive, &format!("{name}_"), &at_rotor, &deflection);
     }
     if !inner.is_empty() {
         let _ = write!(o, "  <tendon>\n{inner}  </tendon>\n");

@@ -79,13 +79,11 @@ fn drive(out: &mut String, joint: &DrivenJoint, number: usize) {
         Command::Goal(..) => "Servo",
     };
     let name = crate::text::comment_line(&joint.name);
-    let base = match (&joint.coupling, base) {
-        (None, _) => base.to_owned(),
-        (Some(_), "Drive") => "Coupled".to_owned(),
-        (Some(_), _) => format!("Coupled, {base}"),
-    };
-    let _ =
-        writeln!(out, "\n\nclass Drive{number}({base}):\n    \"\"\"The drive of the joint '{name}'.\"\"\"");
+    let coupled = if joint.coupling.is_some() { "Coupled, " } else { "" };
+    let _ = writeln!(
+        out,
+        "\n\nclass Drive{number}({coupled}{base}):\n    \"\"\"The drive of the joint '{name}'.\"\"\""
+    );
     let mut values = Vec::new();
     if joint.arm != 1.0 {
         values.push((if joint.coupling.is_some() { "lever" } else { "arm" }, num(joint.arm)));

@@ -1,9 +1,9 @@
 //! An actuator of a leg for MuJoCo: screw, spring, and the constraint that ties them to the leg.
 
 use super::STEP_S;
-use super::bench::{
-    cogging, drive_attributes, gap, path, screw_attributes, spring_damping, stiffness, yielding,
-};
+use super::bench::{cogging, drive_attributes, screw_attributes, stiffness};
+use super::shape::coordinate;
+use super::tendon::{fixed, yielding};
 use crate::bench::BenchDescription;
 use crate::leg::{LegActuator, LegDescription};
 use crate::term::Term;
@@ -36,9 +36,9 @@ impl Parts {
         let name = escaped(&placement.name);
         // The spring's own inertia, for the solver: with it the spring turns a third of a radian in a step.
         let least = |stiffness: f64| stiffness * (3.0 * STEP_S).powi(2);
-        let damping = spring_damping(bench);
+        let damping = bench.spring_damping();
         let mut spring = format!(" armature=\"{}\"", num(least(bench.stiffness)));
-        let half_gap = 0.5 * gap(bench);
+        let half_gap = 0.5 * bench.gap();
         if half_gap == 0.0 {
             let _ = write!(spring, " stiffness=\"{}\"", stiffness(bench));
             if actuator.weight_on_spring != 0.0 {
@@ -61,27 +61,13 @@ impl Parts {
             self.start.push(0.0);
             along.push((end.as_str(), -1.0));
         }
-        self.fixed(&format!("{name}_travel"), "", &along);
+        fixed(&mut self.tendons, &format!("{name}_travel"), "", &along);
         if half_gap > 0.0 {
             let play = nums(&[-half_gap, half_gap]);
             let attributes = format!(" stiffness=\"{}\" springlength=\"{play}\"", stiffness(bench));
-            self.fixed(&format!("{name}_spring"), &attributes, &[(&deflection, 1.0)]);
+            fixed(&mut self.tendons, &format!("{name}_spring"), &attributes, &[(&deflection, 1.0)]);
         }
-        for (_, term) in bench.terms() {
-            match *term {
-                Term::Presliding { force, stiffness } if force > 0.0 => {
-                    self.fixed(&format!("{name}_presliding"), &yielding(stiffness, force), &[(&screw, 1.0)]);
-                }
-                Term::SpringSlip { stiffness, force } if force > 0.0 => {
-                    self.fixed(
-                        &format!("{name}_clamp_slip"),
-                        &yielding(stiffness, force),
-                        &[(&deflection, 1.0)],
-                    );
-                }
-                _ => {}
-            }
-        }
+        yielding(&mut self.tendons, bench, &format!("{name}_"), &screw, &[(&deflection, 1.0)]);
         let soft = format!("solref=\"{}\" solimp=\"0.9999 0.9999 0.001 0.5 2\"", nums(&[2.0 * STEP_S, 1.0]));
         let _ = writeln!(
             self.ties,
@@ -103,17 +89,7 @@ impl Parts {
     }
 
     fn coordinate(&mut self, name: &str, attributes: &str) {
-        let mass = num(COORDINATE_KG);
-        let _ = writeln!(
-            self.bodies,
-            "    <body name=\"{name}\">\n      <inertial pos=\"0 0 0\" mass=\"{mass}\" diaginertia=\"{mass} {mass} {mass}\"/>\n      \
-             <joint name=\"{name}\" type=\"slide\" axis=\"1 0 0\"{attributes}/>\n    </body>"
-        );
-    }
-
-    fn fixed(&mut self, name: &str, attributes: &str, joints: &[(&str, f64)]) {
-        let _ =
-            write!(self.tendons, "    <fixed name=\"{name}\"{attributes}>\n{}    </fixed>\n", path(joints));
+        coordinate(&mut self.bodies, "    ", name, COORDINATE_KG, attributes);
     }
 
     /// The tendon whose length is the actuator's, or the angle that it follows from; the screw's travel at the start with
@@ -131,7 +107,7 @@ impl Parts {
                 let joint = &robot.joints[mount.joint];
                 let q = joint.dof.map_or(0.0, |dof| leg.start_q[dof]);
                 let (tie, worst) = fitted(leg, mount)?;
-                self.fixed(&format!("{name}_length"), "", &[(&escaped(&joint.name), 1.0)]);
+                fixed(&mut self.tendons, &format!("{name}_length"), "", &[(&escaped(&joint.name), 1.0)]);
                 self.notes.push(Note::near(
                     format!("{} linkage", actuator.placement.name),
                     format!(
@@ -191,7 +167,7 @@ fn note(id: &str, term: &Term, bench: &BenchDescription) -> Note {
         Term::CommandLimit { .. } => Note::held(id, "ctrlrange of the actuator"),
         Term::Delay { .. } => Note::held(id, "delay of the actuator, and half a step for its interpolation"),
         Term::Hardening { .. } => Note::held(id, "cubic stiffness of the spring's joint"),
-        Term::SpringDamping { .. } if gap(bench) > 0.0 => {
+        Term::SpringDamping { .. } if bench.gap() > 0.0 => {
             Note::near(id, "damping beside the spring, within the play too")
         }
         Term::SpringDamping { .. } => Note::held(id, "damping of the spring's joint"),

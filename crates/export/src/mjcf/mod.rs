@@ -11,6 +11,7 @@ pub mod leg;
 mod leg_actuator;
 mod shape;
 mod stages;
+mod tendon;
 
 /// The longest step in the files, s: that of the project's own bench.
 pub const STEP_S: f64 = 1e-4;

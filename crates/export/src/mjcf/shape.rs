@@ -25,6 +25,16 @@ pub fn inertial(i: &Inertial) -> String {
     )
 }
 
+/// A body that stands for a coordinate: it slides, and its inertia is the joint's armature.
+pub fn coordinate(o: &mut String, indent: &str, name: &str, mass_kg: f64, attributes: &str) {
+    let mass = num(mass_kg);
+    let _ = writeln!(
+        o,
+        "{indent}<body name=\"{name}\">\n{indent}  <inertial pos=\"0 0 0\" mass=\"{mass}\" diaginertia=\"{mass} {mass} \
+         {mass}\"/>\n{indent}  <joint name=\"{name}\" type=\"slide\" axis=\"1 0 0\"{attributes}/>\n{indent}</body>"
+    );
+}
+
 pub fn geom(o: &mut String, indent: &str, shape: &Shape, more: &str) {
     let (kind, size) = match &shape.geometry {
         Geometry::Box { half } => ("box", nums(half)),

@@ -173,10 +173,10 @@ impl State {
 /// How far the rotor of each joint is ahead of it where the robot rests in a posture, rad or m: 0 of one that moves with its
 /// joint.
 pub(super) fn ahead_at_rest(tree: &Tree, drives: &[Plant], posture: &[f64]) -> Vec<f64> {
-    let mut equations = tree.equations();
     if drives.iter().all(|drive| drive.rigid.is_some()) {
         return vec![0.0; drives.len()];
     }
+    let mut equations = tree.equations();
     tree.at(posture, &vec![0.0; drives.len()], &mut equations);
     let ahead = |(drive, torque): (&Plant, &f64)| match drive.rigid {
         Some(_) => 0.0,
