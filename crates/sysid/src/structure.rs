@@ -44,6 +44,9 @@ const HARMONICS: usize = 24;
 /// Lags of the input, in samples.
 const LAGS: [usize; 10] = [0, 1, 2, 3, 5, 8, 13, 21, 34, 55];
 
+/// Time constants with which what a run begins with fades, s: a drive settles in a tenth of a second, a joint in half of one.
+const SETTLING_S: [f64; 2] = [0.1, 0.5];
+
 /// All tests over one or several evaluations.
 #[must_use]
 pub fn tests(parts: &[(&Data, &Evaluation)]) -> Vec<StructureTest> {
@@ -123,6 +126,16 @@ pub fn tests(parts: &[(&Data, &Evaluation)]) -> Vec<StructureTest> {
         let outcome = Outcome { by_chance: 2.0 * best.by_chance, ..*best };
         push("rotor angle", "torque-ripple", outcome, Some(format!("{} cycles a turn", n + 1)));
     }
+    push(
+        "start of the run",
+        "the state that a run begins in, taken from its first rows; or a drive or a sensor that was still settling",
+        regress(parts, "", &|s| {
+            let first = s.time.first()?;
+            let fading = |over: &f64| s.time.iter().map(|t| (-(t - first) / over).exp()).collect();
+            Some(SETTLING_S.iter().map(fading).collect())
+        }),
+        None,
+    );
     push(
         "time in the run",
         "drift: warming up, a creeping zero; or an excitation whose amplitude changes with time",

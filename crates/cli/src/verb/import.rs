@@ -155,19 +155,7 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
          name = {}\n",
         quoted(&name)
     );
-    if joints(logs) > 1 {
-        let drive = if follows_goals(logs) { "hobby-servo" } else { "rigid-rotary" };
-        let _ = writeln!(
-            out,
-            "bench = \"robot\"            # columns of several joints\n\
-             robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
-             actuator = \"{drive}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file"
-        );
-    } else {
-        out.push_str("bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
-         actuator = \"thor-linear\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n",
-        );
-    }
+    out.push_str(&rig(logs));
     let mut said: Vec<String> = Vec::new();
     for (_, log, _) in logs.iter().filter(|(_, log, _)| !log.constants.is_empty()) {
         let numbers = log.constants.iter().map(|(name, value)| format!("{name} = {}", short(*value, 6)));
@@ -259,9 +247,36 @@ fn targets<'a>(logs: &'a [(&Path, Log, Survey)]) -> impl Iterator<Item = &'a str
     columns.filter_map(|c| Some(c.role.as_ref()?.target.as_str()))
 }
 
-/// Whether joints are told goals.
-fn follows_goals(logs: &[(&Path, Log, Survey)]) -> bool {
-    targets(logs).any(|target| target.ends_with(".position_rad"))
+/// Bench and actuator that have such columns.
+fn rig(logs: &[(&Path, Log, Survey)]) -> String {
+    let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
+    // A goal of the servo's own loop, or the voltage of its motor.
+    let rotary = if has("position_rad") || has("voltage_v") { "hobby-servo" } else { "rigid-rotary" };
+    if joints(logs) > 1 {
+        return format!(
+            "bench = \"robot\"            # columns of several joints\n\
+             robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
+             actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n"
+        );
+    }
+    // A bench of one of our own actuators measures at least its rotor.
+    let ours = ["force_1_n", "force_2_n", "spring_deflection_m", "spring_torque_nm", "motor_angle_rad"];
+    if ours.into_iter().any(has) {
+        "bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
+         actuator = \"thor-linear\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n"
+            .to_owned()
+    } else if has("joint_angle_rad") {
+        format!(
+            "bench = \"pendulum\"         # TODO: what it was recorded on: pendulum, free (nothing hangs on it), robot\n\
+             actuator = \"{rotary}\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n\
+             mass_kg = 1.0              # TODO: the load of the pendulum, and its distance; a [[run]] may have its own\n\
+             length_m = 0.1\n"
+        )
+    } else {
+        "bench = \"free\"             # TODO: what it was recorded on: free (a carriage), locked, robot, leg\n\
+         actuator = \"rigid-linear\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n"
+            .to_owned()
+    }
 }
 
 /// Number of joints that columns are guessed to belong to.
