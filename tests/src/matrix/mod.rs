@@ -176,6 +176,9 @@ pub struct Stated {
     pub value: f64,
     /// The stated standard error.
     pub std: f64,
+    /// The values under the other choices of the base model that were said to explain the runs as well.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<f64>,
 }
 
 impl Stated {
@@ -188,7 +191,18 @@ impl Stated {
     /// The fitted value's error over the true value; a phase has no ratio.
     #[must_use]
     pub fn relative_error(&self) -> Option<f64> {
-        (!self.name.ends_with("phase_rad")).then(|| (self.value / self.truth - 1.0).abs())
+        (!self.name.ends_with("phase_rad")).then(|| self.error_of(self.value))
+    }
+
+    /// The same of whichever of the values that were said is nearest.
+    #[must_use]
+    pub fn nearest_error(&self) -> Option<f64> {
+        let others = self.others.iter().map(|value| self.error_of(*value));
+        self.relative_error().map(|own| others.fold(own, f64::min))
+    }
+
+    fn error_of(&self, value: f64) -> f64 {
+        (value / self.truth - 1.0).abs()
     }
 
     /// Whether the stated interval of 95 % holds the truth.
@@ -265,7 +279,10 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     outcome.base_error = Some(said.base.holdout_error);
     outcome.after_error = Some(after.holdout_error);
     if scored == Score::Right {
-        outcome.stated = stated(&answer, &after.parameters);
+        outcome.stated = stated(&answer, &after.parameters, |name| {
+            let choices = diagnosis.outcome().equally_good_choices.iter();
+            choices.filter_map(|other| other.parameters.get(name).copied()).collect()
+        });
         outcome.worst_parameter = outcome
             .stated
             .iter()
@@ -280,8 +297,8 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
 }
 
 /// What is stated of what is known of a campaign. A choice of rounding is no quantity, and what the bench or the model file
-/// fixes, or is withheld, has no interval.
-fn stated(answer: &Answer, fitted: &[Fitted]) -> Vec<Stated> {
+/// fixes, or is withheld, has no interval. `others` gives a parameter's values under the choices that explain the runs as well.
+fn stated(answer: &Answer, fitted: &[Fitted], others: impl Fn(&str) -> Vec<f64>) -> Vec<Stated> {
     let base = answer.parameters.iter().map(|p| (p.name.clone(), p.value));
     let own = |e: &HiddenEffect| {
         e.parameters.iter().map(|p| (format!("{}.{}", e.id, p.name), p.value)).collect::<Vec<_>>()
@@ -291,7 +308,8 @@ fn stated(answer: &Answer, fitted: &[Fitted]) -> Vec<Stated> {
         .filter_map(|(name, truth)| {
             let p = fitted.iter().find(|p| p.name == name)?;
             let std = p.std.filter(|std| *std > 0.0)?;
-            Some(Stated { name, truth, value: p.value, std })
+            let others = others(&name);
+            Some(Stated { name, truth, value: p.value, std, others })
         })
         .collect()
 }

@@ -91,12 +91,26 @@ pub(super) fn promising(models: &Models, observed: &Candidate, ports: &[Port]) -
     let mut all: Vec<Promised> =
         ports.par_iter().flat_map_iter(|port| at_port(models, observed, port)).collect();
     all.sort_by(|a, b| b.drop.total_cmp(&a.drop));
-    all.truncate(CURVES as usize);
+    leaders(&mut all, CURVES as usize, |promised| &promised.law);
     let tried = |promised: Promised| {
         let Promised { port, on, law, dry_share, .. } = refined(models, observed, promised);
         Some(Tried { dry_share, ..Tried::of(models, law, port, on)? })
     };
     all.into_par_iter().filter_map(tried).collect()
+}
+
+/// Keeps the first so many of some curves, the best first, and the best one of each place that they may act on: the drive, the
+/// rotor, the spring, the output, a sensor.
+pub(super) fn leaders<T>(all: &mut Vec<T>, first: usize, law: impl Fn(&T) -> &Law) {
+    let mut places: Vec<String> = Vec::new();
+    let mut rank = 0;
+    all.retain(|curve| {
+        let place = law(curve).acts_on.split('/').next().unwrap_or_default().to_owned();
+        let is_new = !places.contains(&place);
+        places.push(place);
+        rank += 1;
+        is_new || rank <= first
+    });
 }
 
 /// The curve with knots moved to where it bends most, as long as that helps: a bump is narrower than even knots are apart.
@@ -240,8 +254,38 @@ fn solved(a: &DMatrix<f64>, gradient: &DVector<f64>, ridge: f64, bound: bool) ->
 
 #[cfg(test)]
 mod tests {
-    use super::{closer_knots, solved};
+    use super::{closer_knots, leaders, solved};
     use nalgebra::{DMatrix, DVector};
+    use sealegs_model::{Curve, Factor, Law, Over};
+
+    #[test]
+    fn the_best_curve_of_each_place_stays() {
+        let at = |acts_on: &str, id: &str| Law {
+            id: id.to_owned(),
+            place: None,
+            acts_on: acts_on.to_owned(),
+            summary: String::new(),
+            curve: Curve {
+                over: Over::Speed,
+                times: Factor::One,
+                x: vec![0.0, 1.0],
+                y: vec![0.0, 1.0],
+                dry: 0.0,
+            },
+        };
+        let mut all = vec![
+            at("rotor", "a"),
+            at("rotor", "b"),
+            at("rotor", "c"),
+            at("sensor/force_1_n", "d"),
+            at("drive", "e"),
+            at("sensor/force_2_n", "f"),
+            at("drive", "g"),
+        ];
+        leaders(&mut all, 2, |law| law);
+        let kept: Vec<&str> = all.iter().map(|law| law.id.as_str()).collect();
+        assert_eq!(kept, ["a", "b", "d", "e"]);
+    }
 
     #[test]
     fn analytic_knots_move_to_the_bend() {

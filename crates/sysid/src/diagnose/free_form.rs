@@ -6,10 +6,13 @@ use super::curves::{self, Tried};
 use super::dependence::Dependence;
 use super::missing::{Missing, Port};
 use super::picture::{MissingForce, missing_force};
-use super::policy::{CURVE_BEATS, CURVES_FITTED, DRY_MOSTLY, EXPLAINED, LEFT_SHARE, MOST_LOST, WORTH_NAMING};
+use super::policy::{
+    CURVE_BEATS, CURVE_LEAVES, CURVES_FITTED, DRY_MOSTLY, EXPLAINED, LEFT_SHARE, MOST_LOST, WORTH_NAMING,
+};
 use super::refine::Models;
+use super::search::Search;
 use super::starts::with_nominal_base;
-use super::{Candidate, Found};
+use super::{Candidate, Found, Progress};
 use crate::fit::Fit;
 use rayon::prelude::*;
 use sealegs_model::{Curve, Factor, Law, Over, internal};
@@ -65,6 +68,31 @@ impl Fitted {
     }
 }
 
+impl Search<'_> {
+    /// Fits curves at the ports beside the base model where the best single effect leaves something. On a leg, where a
+    /// simulation is dear, they wait until nothing else is left to try.
+    pub(super) fn look_for_curve(&mut self, single: usize) {
+        if !self.models.dear && self.tried[single].fit.error() > EXPLAINED * self.models.data.floor {
+            (self.progress)(Progress::Curves);
+            self.curve = lowest(&self.models, &self.tried[0], &self.ports);
+        }
+    }
+
+    /// Whether the curve leaves far less than a set: no known effect deserves its name then.
+    pub(super) fn curve_beats(&self, set: usize) -> bool {
+        let floor = self.models.data.floor;
+        self.curve.as_ref().is_some_and(|curve| curve.beats(&self.tried[set], floor))
+    }
+
+    /// Whether, besides, it explains nearly all that is missing, so that further effects would have nothing to explain.
+    pub(super) fn curve_explains(&self, set: usize) -> bool {
+        let floor = self.models.data.floor;
+        let left = |candidate: &Candidate| excess(candidate.fit.error(), floor);
+        let explains = |curve: &Fitted| left(&curve.with) <= CURVE_LEAVES * left(&self.tried[0]);
+        self.curve.as_ref().is_some_and(explains) && self.curve_beats(set)
+    }
+}
+
 /// The curves that take most of what the chosen set leaves, beside it, and of what the base model leaves, alone; none where
 /// nothing is left, or no curve takes a good part of it. Where one alone leaves far less than the chosen set, nothing stays
 /// chosen: a known effect is named only if it explains what the free-form curve of its port does. `early` is one alone that the
@@ -82,12 +110,9 @@ pub(super) fn look(
         return Vec::new();
     }
     let alone = early.or_else(|| lowest(models, &found.tried[0], before));
+    let beats = alone.as_ref().is_some_and(|law| law.beats(&found.tried[found.chosen], floor));
     let alone = alone.map(|law| law.finished(models, 0, before));
-    if found.chosen == 0 {
-        return alone.into_iter().collect();
-    }
-    let beaten = |law: &FreeForm| takes(&found.tried[found.chosen], &law.with, 1.0 / CURVE_BEATS, floor);
-    if alone.as_ref().is_some_and(|law| beaten(law) && !is_dry_friction(law.on, law.dry_share)) {
+    if found.chosen == 0 || beats {
         found.chosen = 0;
         found.tied.clear();
         found.same.clear();
@@ -124,7 +149,12 @@ pub(super) fn lowest(models: &Models, near: &Candidate, ports: &[Port]) -> Optio
         })
         .collect();
     seen.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
-    seen.truncate(if models.dear { 1 } else { CURVES_FITTED as usize });
+    if models.dear {
+        seen.truncate(1);
+    } else {
+        // What an observer follows hides most of what lasts: the best curve of each place has its chance in open loop.
+        curves::leaders(&mut seen, CURVES_FITTED as usize, |(tried, _)| &tried.law);
+    }
     let fitted: Vec<Fitted> = seen
         .into_par_iter()
         .filter_map(|(tried, fit)| {

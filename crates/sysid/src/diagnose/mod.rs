@@ -2,10 +2,11 @@
 //!
 //! The walk, a stage a file; none looks back. The base model is refitted first (`refine`), so that a wrong value is never
 //! taken for a missing effect. An observer shows what is missing at each port (`missing`) and what that depends on
-//! (`dependence`). Effects are regressed on it ([`screen`]()), the promising sets fitted ([`Models`]), compared and
-//! exchanged on stretches of the fit runs (`search`); what the data do not tell from the best set is found (`rivals`). Where
-//! they leave something, what does not hold up across the fit runs leaves again (`across`), curves at the ports are screened
-//! (`curves`) and fitted as any effect (`free_form`). Then, and only then, the holdout runs are read, and judge once (`judge`).
+//! (`dependence`). Effects are regressed on it ([`screen`]()) and fitted ([`Models`]). Where none explains what is missing,
+//! curves at the ports are screened (`curves`) and fitted as any effect (`free_form`): one that explains nearly everything ends
+//! the search, else sets grow, are compared and exchanged on stretches of the fit runs (`search`). What the data do not tell
+//! from the best set is found (`rivals`), and what does not hold up across the fit runs leaves again (`across`). Then, and only
+//! then, the holdout runs are read, and judge once (`judge`).
 
 mod across;
 mod adapt;

@@ -60,11 +60,12 @@ policy! {
     CURVE_UNIT = 0.05;
     /// Ratio in what a curve promises that is worth moving its knots: chance gives two more of them less.
     KNOTS_WORTH_MOVING = 1.02;
-    /// Curves that are fitted under the observer: three dependences of each of two ports.
+    /// Curves that are fitted under the observer, beside the best one of each place where they may act: three dependences of
+    /// each of two ports.
     CURVES = 6.0;
     /// The same where a simulation is dear.
     CURVES_DEAR = 2.0;
-    /// Of them those that are fitted in open loop.
+    /// Of them those that are fitted in open loop, beside the best one of each place, too.
     CURVES_FITTED = 2.0;
     /// Least gain in the mean squared residual, in squared floors, that is worth an effect: two integrators of the same
     /// physics differ by that.

@@ -4,8 +4,8 @@
 use super::compare::{clearly_better, excess, is_beyond_chance};
 use super::fits::has_two_magnitudes;
 use super::policy::{
-    AT_FLOOR, CURVE_LEAVES, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST,
-    OPEN_LOOP_WORTH, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
+    AT_FLOOR, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST, OPEN_LOOP_WORTH,
+    RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
 };
 use super::refine::Models;
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -68,17 +68,18 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Grows, exchanges and prunes from the base model (`tried[0]`); the index of the best set. Before a pair grows further
-    /// what is screened badly is fitted alone: it may explain what three others do not.
+    /// Grows, exchanges and prunes from the base model (`tried[0]`); the index of the best set. Before a pair grows further, or
+    /// a curve has the last word, what is screened badly is fitted alone: it may explain what three others do not.
     pub fn run(&mut self) -> usize {
         let (mut best, mut ended) = self.grown_from(0, PAIR);
-        if ended == Ended::Curve || self.curve_beats(best) {
-            return 0;
-        }
-        if ended != Ended::AtLast {
+        let by_curve = ended == Ended::Curve || self.curve_beats(best);
+        if by_curve || ended != Ended::AtLast {
             let other = self.screened_badly(best);
             if other != best {
                 self.fit_from_every_start(other, 0);
+            }
+            if self.curve_beats(other) {
+                return 0;
             }
             if other != best || ended == Ended::AtMost {
                 // Another law of the same kind is a simpler explanation than a third effect.
@@ -125,7 +126,7 @@ impl Search<'_> {
             let fitted = self.grown(best);
             let better = self.best_of(&fitted, best);
             if self.curve_explains(better) {
-                return (0, Ended::Curve);
+                return (better, Ended::Curve);
             }
             if better == best || self.is_too_little(better, best) {
                 break;
@@ -177,11 +178,12 @@ impl Search<'_> {
     }
 
     /// Fits laws that repeat along the screw in the place of the simpler ones that they become: of the best set, and of each
-    /// one alone that takes a good part of what that takes; the indices.
+    /// one alone that takes a good part of what that, or the best one alone, takes; the indices.
     fn repeating(&mut self, best: usize, cards: &[EffectCard]) -> Vec<usize> {
         let takes = |i: usize| self.tried[0].fit.cost - self.tried[i].fit.cost;
-        let leads =
-            |i: usize| i == best || (self.tried[i].effects.len() == 1 && takes(i) > SCATTERED * takes(best));
+        let alone = |i: &usize| self.tried[*i].effects.len() == 1;
+        let most = (1..self.tried.len()).filter(alone).map(takes).fold(takes(best), f64::max);
+        let leads = |i: usize| i == best || (alone(&i) && takes(i) > SCATTERED * most);
         let leaders: Vec<usize> = (1..self.tried.len()).filter(|&i| leads(i)).collect();
         let with = |card: &EffectCard, near: &Candidate| {
             let fitted = self.models.repeating(near, card)?;
@@ -234,29 +236,6 @@ impl Search<'_> {
             }
         }
         fitted
-    }
-
-    /// Fits curves at the ports beside the base model where the best single effect leaves something. On a leg, where a
-    /// simulation is dear, they wait until nothing else is left to try.
-    fn look_for_curve(&mut self, single: usize) {
-        if !self.models.dear && self.tried[single].fit.error() > EXPLAINED * self.models.data.floor {
-            (self.progress)(Progress::Curves);
-            self.curve = free_form::lowest(&self.models, &self.tried[0], &self.ports);
-        }
-    }
-
-    /// Whether the curve leaves far less than a set: no known effect deserves its name then.
-    fn curve_beats(&self, set: usize) -> bool {
-        let floor = self.models.data.floor;
-        self.curve.as_ref().is_some_and(|curve| curve.beats(&self.tried[set], floor))
-    }
-
-    /// Whether, besides, it explains nearly all that is missing, so that further effects would have nothing to explain.
-    fn curve_explains(&self, set: usize) -> bool {
-        let floor = self.models.data.floor;
-        let left = |candidate: &Candidate| excess(candidate.fit.error(), floor);
-        let explains = |curve: &free_form::Fitted| left(&curve.with) <= CURVE_LEAVES * left(&self.tried[0]);
-        self.curve.as_ref().is_some_and(explains) && self.curve_beats(set)
     }
 
     /// Fits pairs beside a set from many starts: the single effects that take most, each with every effect at another port; the
