@@ -165,6 +165,14 @@ pub struct Outcome {
     pub seconds: Option<f64>,
 }
 
+impl Outcome {
+    /// The greatest of some error over the stated parameters of the effects; none where none is stated.
+    #[must_use]
+    pub fn worst(&self, error: impl Fn(&Stated) -> Option<f64>) -> Option<f64> {
+        self.stated.iter().filter(|s| s.of_effect()).filter_map(error).max_by(f64::total_cmp)
+    }
+}
+
 /// A fitted parameter beside its true value.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Stated {
@@ -283,12 +291,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
             let choices = diagnosis.outcome().equally_good_choices.iter();
             choices.filter_map(|other| other.parameters.get(name).copied()).collect()
         });
-        outcome.worst_parameter = outcome
-            .stated
-            .iter()
-            .filter(|s| s.of_effect())
-            .filter_map(Stated::relative_error)
-            .max_by(f64::total_cmp);
+        outcome.worst_parameter = outcome.worst(Stated::relative_error);
     }
     if matches!(scored, Score::Right | Score::Tied) && outcome.located.is_none_or(Located::right) {
         std::fs::remove_dir_all(&place)?;

@@ -80,11 +80,8 @@ fn totals(out: &mut String, outcomes: &[Outcome]) {
     }
     let told: Vec<f64> = outcomes.iter().filter_map(|o| o.worst_parameter).collect();
     let close = told.iter().filter(|w| **w <= CLOSE).count();
-    let nearest = |o: &Outcome| {
-        o.stated.iter().filter(|s| s.of_effect()).filter_map(Stated::nearest_error).fold(0.0, f64::max)
-    };
-    let kept = outcomes.iter().filter(|o| o.worst_parameter.is_some());
-    let close_to_either = kept.filter(|o| nearest(o) <= CLOSE).count();
+    let nearest = outcomes.iter().filter_map(|o| o.worst(Stated::nearest_error));
+    let close_to_either = nearest.filter(|w| *w <= CLOSE).count();
     let diagnosed: Vec<f64> = outcomes.iter().filter_map(|o| o.seconds).collect();
     let _ = writeln!(
         out,
