@@ -252,9 +252,9 @@ fn rig(logs: &[(&Path, Log, Survey)]) -> String {
     let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
     // A goal of the servo's own loop, or the voltage of its motor.
     let rotary = if has("position_rad") || has("voltage_v") { "hobby-servo" } else { "rigid-rotary" };
-    if joints(logs) > 1 {
+    if joints(logs) > 0 {
         return format!(
-            "bench = \"robot\"            # columns of several joints\n\
+            "bench = \"robot\"            # columns that are called by a joint\n\
              robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
              actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n"
         );
