@@ -59,7 +59,7 @@ fn on_bench(spec: &ActuatorSpec, bench: Bench, start: (f64, f64), effects: &[(&s
         model = model.including(id, &everything()).unwrap();
         values.extend(*own);
     }
-    let setup = RunSetup { record: "run.csv".to_owned(), bench, start, servo_gain: 1.0 };
+    let setup = RunSetup { record: "run.csv".to_owned(), bench, start, first_rows: None, servo_gain: 1.0 };
     at(&model, &values).with_runs(vec![setup]).unwrap()
 }
 

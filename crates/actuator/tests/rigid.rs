@@ -208,6 +208,7 @@ fn reference_a_carriage_that_begins_in_motion() {
         record: "test".to_owned(),
         bench: Bench::Free { load: 35.0 },
         start: (0.2, -0.3),
+        first_rows: None,
         servo_gain: 1.0,
     };
     let model = model.with_runs(vec![run]).expect("good");
@@ -280,6 +281,38 @@ fn reference_a_servo_with_a_pendulum_and_friction_by_its_load() {
 }
 
 #[test]
+fn reference_a_servo_that_is_sent_away_at_once_begins_at_rest() {
+    const ROW_S: f64 = 7e-3;
+    const COUNT: f64 = std::f64::consts::TAU / 4096.0;
+    let model = servo();
+    let (inertia, weight) = (0.0019 + 0.49 * 0.01, 0.49 * 9.81 * 0.1);
+    let h = 1e-6;
+    let (mut x, mut v, mut truth) = (0.0_f64, 0.0_f64, vec![0.0]);
+    for _ in 1..100 {
+        for _ in 0..(ROW_S / h).round() as usize {
+            let volts = 7.4 * (1.2 * (1.0 - x)).clamp(-1.0, 1.0);
+            v += h * (0.26 * (volts - 0.26 * v) / 1.9 - 0.005 * v - weight * x.sin()) / inertia;
+            x += h * v;
+        }
+        truth.push(x);
+    }
+    let shown = truth.iter().map(|x| COUNT * (x / COUNT).round()).collect();
+    let mut log = record("position_rad", vec![1.0; 100]);
+    log.time_s.iter_mut().enumerate().for_each(|(n, t)| *t = n as f64 * ROW_S);
+    log.outputs.push(Signal { channel: "joint_angle_rad".to_owned(), values: shown });
+    let setup = RunSetup::of_record(&log, model.spec(), model.bench(), 1.0);
+    let by_rows = RunSetup { first_rows: None, ..setup.clone() };
+    let off = |setup: RunSetup| {
+        let model = model.clone().with_runs(vec![setup]).expect("good");
+        let got = model.predict(&values(&model), &log, &["joint_angle_rad".to_owned()]).expect("finite");
+        got.outputs[0].values.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    // A cubic through its first rows is several counts off.
+    let (found, by_rows) = (off(setup), off(by_rows));
+    assert!(by_rows > 3.0 * COUNT && found < 0.5 * COUNT, "{found} {by_rows}");
+}
+
+#[test]
 fn reference_a_servo_with_play_that_sees_its_output() {
     let (base, _, _, seen) = rigs().into_iter().nth(1).expect("the servo");
     let model = base.including("backlash", &seen).expect("offered");
@@ -331,6 +364,7 @@ fn dry_friction_holds_and_a_start_is_where_the_log_begins() {
         record: "test".to_owned(),
         bench: Bench::Free { load: 35.0 },
         start: (0.2, 0.0),
+        first_rows: None,
         servo_gain: 1.0,
     };
     let model = model.with_runs(vec![run]).expect("good");

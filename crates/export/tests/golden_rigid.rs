@@ -83,7 +83,13 @@ fn servo() -> BenchModel {
     let rig = PendulumRig { arm_m: 1.0, length_m: 0.5, mass_kg: 3.0, rod_mass_kg: 1.2 };
     let spec = ActuatorSpec::from_toml(SERVO, "servo.toml").unwrap_or_else(|e| panic!("{e}"));
     let bench = Bench::Pendulum(rig);
-    let run = RunSetup { record: "a.csv".to_owned(), bench, start: (0.25, -0.5), servo_gain: 2.0 };
+    let run = RunSetup {
+        record: "a.csv".to_owned(),
+        bench,
+        start: (0.25, -0.5),
+        first_rows: None,
+        servo_gain: 2.0,
+    };
     BenchModel::new(spec, bench)
         .and_then(|model| model.with_runs(vec![run]))
         .unwrap_or_else(|e| panic!("{e}"))

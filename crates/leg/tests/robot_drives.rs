@@ -145,7 +145,9 @@ fn reference_a_run_has_its_servo_gain() {
         farthest(&shown.outputs[0].values, &truth.outputs[0].values)
     };
     assert!(off(&at_rest(arm.clone(), &record)) > 0.05);
-    let with = arm.with_servo_gains([(record.name.clone(), GAIN)].into()).with_step(5e-4);
+    assert_eq!(arm.servos(), ["hinge"]);
+    let gains = [("hinge".to_owned(), GAIN)].into();
+    let with = arm.with_servo_gains([(record.name.clone(), gains)].into()).with_step(5e-4);
     let with = at_rest(with, &record);
     assert!(off(&with) < 1e-3, "{}", off(&with));
 }

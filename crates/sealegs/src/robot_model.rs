@@ -98,8 +98,16 @@ pub fn of_source(
         campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
     }
     let records: Vec<_> = campaign.runs.iter().map(|run| &run.record).collect();
-    let gain = |run: &Run| Some((run.record.name.clone(), run.rig.servo_gain?));
-    let gains = campaign.runs.iter().filter_map(gain).collect();
+    let servos = model.servos();
+    for joint in campaign.runs.iter().flat_map(|run| run.rig.servo_gains.keys()) {
+        if !servos.contains(joint) {
+            let known = if servos.is_empty() { "none".to_owned() } else { servos.join(", ") };
+            let problem = format!("servo_gain: '{joint}' is no joint with a servo (known: {known})");
+            return Err(campaign.bad_model(problem).into());
+        }
+    }
+    let of_run = |run: &Run| servos.iter().map(|j| (j.clone(), run.rig.servo_gain_of(j))).collect();
+    let gains = campaign.runs.iter().map(|run| (run.record.name.clone(), of_run(run))).collect();
     Ok(model.with_servo_gains(gains).for_records(&records))
 }
 

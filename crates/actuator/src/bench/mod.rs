@@ -8,10 +8,11 @@
 //!
 //! A model starts at rest with its spring relaxed. A drive without a spring has no such place: its run begins where its
 //! log does. [`RunSetup::of_record`] takes position and speed from the log's first rows, see
-//! [`start_of`]. They are nuisances of the run, not fitted: what is wrong of a position is the bias of the
-//! sensor that showed it, and a speed is forgotten within the drive's mechanical time constant. A model knows its runs
-//! by their records' names.
+//! [`start_of`]. They are nuisances of the run: what is wrong of a position is the bias of the sensor that showed it, and a
+//! speed is forgotten within the drive's mechanical time constant. Where the rows tell them only roughly, every simulation
+//! begins where its own motion meets these rows best. A model knows its runs by their records' names.
 
+mod begin;
 mod channel;
 mod drive;
 mod fed;
@@ -29,9 +30,9 @@ pub use fed::{Fed, command_times};
 pub use kind::Bench;
 pub use linear::StateSpace;
 pub use pendulum::PendulumRig;
-pub use run::RunSetup;
+pub use run::{FirstRows, RunSetup};
 pub use sensor::{Recording, Sensor, record};
-pub use start::{LONGEST_S, rows_within, start_of};
+pub use start::{LONGEST_S, Start, rows_within, start_of};
 
 use crate::effect::{CATALOGUE, Effect, OwnEffect, Setting, embedded, ids};
 use crate::plant::{Grid, Plant, Trace};
@@ -334,7 +335,8 @@ impl BenchModel {
             });
         }
         let mut plant = self.plant_on(self.bench_of(&record.name), values, &input.channel)?;
-        if let Some(run) = self.run(&record.name) {
+        let run = self.run(&record.name);
+        if let Some(run) = run {
             plant.start = run.start;
             if let Some(servo) = &mut plant.servo {
                 servo.proportional *= run.servo_gain;
@@ -347,15 +349,28 @@ impl BenchModel {
         let wanted_s = fewer.fold(self.step_s, f64::max);
         // A series spring's linear part is exact at any step; a transmission's departs from it by its play.
         let step_s = if plant.is_parted() { plant.step_following(wanted_s, 0.0) } else { wanted_s };
-        let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
         let told = command_times(record, value);
-        let fed = Fed::of(&plant, record, (&told, &input.values), |name| record.input(name), &grid);
-        let feed = fed.feed();
+        let command = (&*told, &input.values[..]);
+        let fed =
+            |plant: &Plant, grid: &Grid| Fed::of(plant, record, command, |name| record.input(name), grid);
+        if let (Some(first), true) = (run.and_then(|run| run.first_rows.as_ref()), plant.rigid.is_some()) {
+            let grid = Grid::covering(&record.time_s[..first.start.rows], step_s);
+            let fed = fed(&plant, &grid);
+            plant.start = begin::start(first, record, |start| {
+                plant.start = start;
+                let trace = plant.simulate_fed(grid, fed.feed()).ok()?;
+                let time_s = &record.time_s[..first.start.rows];
+                let channels = std::slice::from_ref(&first.channel);
+                self.sensed(&plant, trace, record, time_s, channels).outputs.pop().map(|s| s.values)
+            });
+        }
+        let grid = Grid::covering(&record.time_s, step_s);
+        let fed = fed(&plant, &grid);
         let trace = match self.observed.as_ref().and_then(|o| o.observer(record, &plant, &grid, self)) {
-            Some(observer) => plant.observe(grid, feed, &observer)?,
-            None => plant.simulate_fed(grid, feed)?,
+            Some(observer) => plant.observe(grid, fed.feed(), &observer)?,
+            None => plant.simulate_fed(grid, fed.feed())?,
         };
         Ok((plant, trace))
     }
@@ -373,12 +388,19 @@ impl BenchModel {
         }
     }
 
-    /// What the sensors show of a simulation.
-    fn sensed(&self, plant: &Plant, trace: Trace, record: &Record, channels: &[String]) -> Prediction {
+    /// What the sensors show of a simulation at some times of a record.
+    fn sensed(
+        &self,
+        plant: &Plant,
+        trace: Trace,
+        record: &Record,
+        time_s: &[f64],
+        channels: &[String],
+    ) -> Prediction {
         let arm_m = self.bench_of(&record.name).arm_m();
         // What the logger was told, not what a fit found since.
         let nominal_stiffness = self.spec.spring.stiffness();
-        channel::sense(plant, trace, arm_m, nominal_stiffness, &record.time_s, channels)
+        channel::sense(plant, trace, arm_m, nominal_stiffness, time_s, channels)
     }
 }
 
@@ -433,7 +455,7 @@ impl Model for BenchModel {
         let mut internals = channel::internals(&plant, &trace, arm_m, &record.time_s);
         let missing = self.observed.as_ref().map(|o| o.missing(record, &plant, &trace, arm_m));
         internals.extend(missing.into_iter().flatten());
-        let sensed = self.sensed(&plant, trace, record, channels);
+        let sensed = self.sensed(&plant, trace, record, &record.time_s, channels);
         Ok(Prediction { internals, events: events.iter().map(ToString::to_string).collect(), ..sensed })
     }
 
@@ -444,7 +466,7 @@ impl Model for BenchModel {
         channels: &[String],
     ) -> Result<Prediction, ModelError> {
         let (plant, trace) = self.traced(values, record, channels)?;
-        Ok(self.sensed(&plant, trace, record, channels))
+        Ok(self.sensed(&plant, trace, record, &record.time_s, channels))
     }
 
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {

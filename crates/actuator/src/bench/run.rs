@@ -1,6 +1,6 @@
 //! What one run of a campaign has of its own: its rig, where it begins, its servo's gain.
 
-use super::{Bench, start_of};
+use super::{Bench, Start, start_of};
 use crate::ActuatorSpec;
 use sealegs_model::Record;
 
@@ -13,8 +13,21 @@ pub struct RunSetup {
     pub bench: Bench,
     /// Position (m, or rad of a rotary drive) and speed of the output at its first row; used of drives without a spring.
     pub start: (f64, f64),
+    /// The rows that it was taken from, where they tell it only roughly: the model's motion then tells more.
+    pub first_rows: Option<FirstRows>,
     /// Factor of the servo's proportional gain.
     pub servo_gain: f64,
+}
+
+/// The first rows of a run that begins in motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FirstRows {
+    /// The output column that shows the position.
+    pub channel: String,
+    /// Position (m, or rad of a rotary drive) per unit of it.
+    pub scale: f64,
+    /// Where it begins, in the column's unit.
+    pub start: Start,
 }
 
 impl RunSetup {
@@ -27,16 +40,19 @@ impl RunSetup {
         let arm = bench.arm_m();
         let position = [("position_m", 1.0), ("joint_angle_rad", arm), ("motor_angle_rad", spec.ratio())];
         let speed = [("speed_m_s", 1.0), ("speed_rad_s", arm)];
-        let find = |of: &[(&str, f64)]| of.iter().find_map(|(name, k)| Some((record.output(name)?, *k)));
-        let start = match (find(&position), find(&speed)) {
-            (Some((values, k)), _) => {
-                let (x, v) = start_of(&record.time_s, values);
-                (k * x, k * v)
-            }
-            (None, Some((values, k))) => (0.0, k * start_of(&record.time_s, values).0),
+        let find = |of: &[(&'static str, f64)]| {
+            of.iter().find_map(|(name, k)| Some((*name, *k, start_of(&record.time_s, record.output(name)?))))
+        };
+        let of_position = find(&position);
+        let start = match (of_position, find(&speed)) {
+            (Some((_, k, start)), _) => (k * start.value, k * start.slope),
+            (None, Some((_, k, start))) => (0.0, k * start.value),
             (None, None) => (0.0, 0.0),
         };
-        Self { record: record.name.clone(), bench, start, servo_gain }
+        let rough = of_position.filter(|(_, _, start)| start.slope_std > 0.0);
+        let first_rows =
+            rough.map(|(channel, scale, start)| FirstRows { channel: channel.to_owned(), scale, start });
+        Self { record: record.name.clone(), bench, start, first_rows, servo_gain }
     }
 }
 

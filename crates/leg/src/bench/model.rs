@@ -54,8 +54,8 @@ pub struct RobotModel {
     pub(super) joints: Vec<Joint>,
     /// The robot as its URDF and its drives' files have it, without the values and effects of its own file.
     pub(super) plain: Option<Arc<Self>>,
-    /// Factors of the servos' proportional gains by the record's name, where they are not 1.
-    gains: BTreeMap<String, f64>,
+    /// Factors of the servos' proportional gains by the record's name and the joint, where they are not 1.
+    gains: BTreeMap<String, BTreeMap<String, f64>>,
     links: Vec<LinkParameters>,
     pub(super) parameters: Vec<Parameter>,
     /// Included effects: the joint and the id there.
@@ -253,9 +253,16 @@ impl RobotModel {
         Ok(())
     }
 
-    /// The same robot whose servos have other proportional gains in some records: factors by the record's name.
+    /// The joints whose drive is a servo with its own position loop.
     #[must_use]
-    pub fn with_servo_gains(mut self, gains: BTreeMap<String, f64>) -> Self {
+    pub fn servos(&self) -> Vec<String> {
+        let servos = self.joints.iter().filter(|joint| joint.model.spec().servo.is_some());
+        servos.map(|joint| joint.name.clone()).collect()
+    }
+
+    /// The same robot whose servos have other proportional gains in some records: factors by the record's name and the joint.
+    #[must_use]
+    pub fn with_servo_gains(mut self, gains: BTreeMap<String, BTreeMap<String, f64>>) -> Self {
         let plain = |plain: Arc<Self>| Arc::new(Self { gains: gains.clone(), ..plain.as_ref().clone() });
         self.plain = self.plain.map(plain);
         self.gains = gains;
@@ -267,7 +274,8 @@ impl RobotModel {
         let plant = |joint: &Joint| {
             let input = joint.command_in(record)?.map_or(joint.effort(), |(input, _)| input);
             let mut plant = joint.model.plant(&joint.own(values), input)?;
-            if let Some((servo, gain)) = plant.servo.as_mut().zip(self.gains.get(&record.name)) {
+            let gain = self.gains.get(&record.name).and_then(|gains| gains.get(&joint.name));
+            if let Some((servo, gain)) = plant.servo.as_mut().zip(gain) {
                 servo.proportional *= gain;
             }
             Ok(plant)

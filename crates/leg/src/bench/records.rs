@@ -43,8 +43,8 @@ impl RobotModel {
         let of = |joint: &Joint| {
             let signal = |column| record.output(&joint.channel(column));
             let position = signal(Column::Position).map(|values| start_of(&record.time_s, values));
-            let speed = signal(Column::Speed).map(|values| start_of(&record.time_s, values).0);
-            position.unwrap_or((0.0, speed.unwrap_or(0.0)))
+            let speed = signal(Column::Speed).map(|values| start_of(&record.time_s, values).value);
+            position.map_or((0.0, speed.unwrap_or(0.0)), |start| (start.value, start.slope))
         };
         self.starts.insert(record.name.clone(), self.joints.iter().map(of).collect());
     }
@@ -61,8 +61,8 @@ impl RobotModel {
             let place = joint.channel(Column::Position);
             let Some((seen, follows)) = first.output(&place).zip(predicted.output(&place)) else { continue };
             let left: Vec<f64> = seen.iter().zip(follows).map(|(seen, follows)| seen - follows).collect();
-            let (position, speed) = start_of(&first.time_s, &left);
-            *at = (at.0 + position, at.1 + speed);
+            let start = start_of(&first.time_s, &left);
+            *at = (at.0 + start.value, at.1 + start.slope);
         }
     }
 

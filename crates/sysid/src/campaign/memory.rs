@@ -281,7 +281,7 @@ impl CampaignBuilder {
         let clock = Clock::of(&record.time_s, self.sample_rate_hz);
         let scenario = run.scenario.clone();
         let left_out = LeftOut::of(&record);
-        let rig = run.rig;
+        let rig = run.rig.clone();
         Ok(Run {
             role: run.role,
             scenario,

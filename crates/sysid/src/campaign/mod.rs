@@ -253,7 +253,7 @@ impl Campaign {
                 let run = Run {
                     role: run.role,
                     scenario,
-                    rig: run.rig,
+                    rig: run.rig.clone(),
                     record,
                     scored,
                     left_out,

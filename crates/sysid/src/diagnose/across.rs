@@ -1,11 +1,12 @@
 //! What a set leaves of a fit run when it is fitted to the others, of a single run of a part of it: where something stays that no
 //! set explains, a law that only takes what is peculiar to one run leaves again.
 
+use super::candidate::symbol;
 use super::compare::clearly_better;
 use super::nested::simpler_id;
-use super::policy::{EXPLAINED, FOLDS, NAMED_SHARE, STEPS_PER_SAMPLE, TIED_COST};
+use super::policy::{EXPLAINED, FOLDS, KNOWN_FROM_ZERO, NAMED_SHARE, STEPS_PER_SAMPLE, TIED_COST};
 use super::refine::Models;
-use super::screen::Known;
+use super::screen::{Known, is_amplitude};
 use super::search::{Search, all_but};
 use super::windows::in_windows;
 use super::{Candidate, values_by_name, with_effects};
@@ -151,6 +152,23 @@ impl Search<'_> {
         }
     }
 
+    /// The chosen set, where it leaves something, without those members that may be nothing at all: no amplitude of theirs is
+    /// known from zero.
+    pub(super) fn without_doubtful(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
+        while self.leaves_something(chosen) {
+            let set = &self.tried[chosen];
+            let Some(doubtful) = set.effects.iter().find(|effect| is_doubtful(set, effect)).cloned() else {
+                break;
+            };
+            let effects = all_but(&set.effects, &doubtful);
+            let Some(rest) = self.index_of(&effects, chosen) else { break };
+            self.finish(&[rest]);
+            tied.retain(|&i| !self.tried[i].effects.contains(&doubtful));
+            chosen = rest;
+        }
+        chosen
+    }
+
     /// Where the chosen set leaves something, those without one of its members: what a member takes is judged on holdout runs,
     /// between fits that are equally good.
     pub(super) fn compared_with(&self, chosen: usize) -> Vec<usize> {
@@ -211,6 +229,13 @@ impl Search<'_> {
         let index = |(set, _): (Vec<String>, Known)| self.tried.iter().position(|t| t.effects == set);
         known.into_iter().filter_map(index).chain(first..self.tried.len()).collect()
     }
+}
+
+/// Whether an effect of a fitted set has amplitudes, and the confidence interval of each holds zero.
+fn is_doubtful(set: &Candidate, effect: &str) -> bool {
+    let own = set.model.parameters().iter().zip(&set.fit.parameters);
+    let mut amplitudes = own.filter(|(p, _)| symbol(&p.name, effect).is_some() && is_amplitude(p)).peekable();
+    amplitudes.peek().is_some() && amplitudes.all(|(_, p)| p.value.abs() <= KNOWN_FROM_ZERO * p.std)
 }
 
 #[cfg(test)]

@@ -103,13 +103,11 @@ pub(super) fn promising(models: &Models, observed: &Candidate, ports: &[Port]) -
 /// rotor, the spring, the output, a sensor.
 pub(super) fn leaders<T>(all: &mut Vec<T>, first: usize, law: impl Fn(&T) -> &Law) {
     let mut places: Vec<String> = Vec::new();
-    let mut rank = 0;
     all.retain(|curve| {
         let place = law(curve).acts_on.split('/').next().unwrap_or_default().to_owned();
         let is_new = !places.contains(&place);
         places.push(place);
-        rank += 1;
-        is_new || rank <= first
+        is_new || places.len() <= first
     });
 }
 

@@ -134,8 +134,8 @@ fn takes(from: &Candidate, with: &Candidate, share: f64, floor: f64) -> bool {
     clearly_better(from, with, floor) && square(with) <= share * square(from)
 }
 
-/// The curve that leaves least beside a set: some are fitted under the observer, the best of these in open loop; `None` where
-/// it takes no good part of what the set leaves.
+/// The curve that leaves least beside a set: some are fitted under the observer for a few steps, the best of these to the end
+/// and in open loop; `None` where it takes no good part of what the set leaves.
 pub(super) fn lowest(models: &Models, near: &Candidate, ports: &[Port]) -> Option<Fitted> {
     let known = near.known();
     let observed = models.observing(near, &with_nominal_base(models.exact, &known))?;
@@ -143,8 +143,7 @@ pub(super) fn lowest(models: &Models, near: &Candidate, ports: &[Port]) -> Optio
     let mut seen: Vec<(Tried, Fit)> = tried
         .into_par_iter()
         .filter_map(|t| {
-            let job = (t.set(near), known.clone());
-            let fit = t.models(models).observed_fits(&observed, &[job]).pop()??;
+            let fit = t.models(models).observed_fit(&observed, &t.set(near), &known)?;
             Some((t, fit))
         })
         .collect();
@@ -158,7 +157,9 @@ pub(super) fn lowest(models: &Models, near: &Candidate, ports: &[Port]) -> Optio
     let fitted: Vec<Fitted> = seen
         .into_par_iter()
         .filter_map(|(tried, fit)| {
-            let with = tried.models(models).fitted(near, &tried.set(near), &known, Some(&fit))?;
+            let (models, set) = (tried.models(models), tried.set(near));
+            let on = if fit.converged { None } else { models.observed_on(&observed, &set, &fit) };
+            let with = models.fitted(near, &set, &known, Some(&on.unwrap_or(fit)))?;
             Some(Fitted { tried, with })
         })
         .filter(|Fitted { tried, with }| {

@@ -253,6 +253,7 @@ fn search<'a>(
     let open = search.models.open_choices(&others, &search.tried[chosen]);
     let chosen = if search.leaves_something(chosen) { search.simplified(chosen, &mut tied) } else { chosen };
     let chosen = search.without_traces(chosen, &mut tied);
+    let chosen = search.without_doubtful(chosen, &mut tied);
     // A simpler set that took the place of the one that was fitted to the end is not fitted to the end itself.
     search.finish(&[chosen]);
     search.finish(&search.compared_with(chosen));

@@ -82,6 +82,8 @@ policy! {
     MOST_MEMORY = 1000.0;
     /// Share of what is gained on some left-out stretches that may be lost on others.
     MOST_OPPOSED = 0.4;
+    /// Standard errors within which the amplitude of a member of a set that leaves something must not hold zero: 95 %.
+    KNOWN_FROM_ZERO = 1.96;
     /// Cost over the chosen set's above which a set is no tie, whatever is predicted.
     TIED_COST = 1.1;
     /// Times that what a last fit frees starts again on either side of where it was fitted: each goes two fifths of the way.
@@ -180,6 +182,9 @@ policy! {
     /// Cost under the observer over that of a set that explains everything from which on a set without one of its members
     /// needs no fit in open loop to be told worse.
     NEEDED_COST = 3.0;
+    /// Cost in open loop over that under the observer from which on a run drifts: ten times the error. Where both leave the
+    /// noise they are alike, and a motion that is bounded keeps an error within a few times what the observer lets stand.
+    DRIFTS = 100.0;
     /// Sets that are fitted in open loop in any case, by their cost under the observer.
     LEADERS = 2.0;
     /// The same where the leaders do not explain what is missing.

@@ -199,7 +199,7 @@ impl<'a> Models<'a> {
     }
 
     /// A set's first few steps under the observer.
-    fn observed_fit(&self, near: &Candidate, effects: &[String], known: &Known) -> Option<Fit> {
+    pub(super) fn observed_fit(&self, near: &Candidate, effects: &[String], known: &Known) -> Option<Fit> {
         let model = with_effects(self.observed.as_deref()?, effects, &self.seen).ok()?;
         let nominal = values_by_name(model.as_ref(), &with_nominal_base(self.exact, known));
         let of_base = near.known().into_iter().filter(|(name, _)| !name.contains('.'));
@@ -225,7 +225,7 @@ impl<'a> Models<'a> {
     }
 
     /// The rest of such a fit.
-    fn observed_on(&self, near: &Candidate, effects: &[String], fit: &Fit) -> Option<Fit> {
+    pub(super) fn observed_on(&self, near: &Candidate, effects: &[String], fit: &Fit) -> Option<Fit> {
         let model = with_effects(self.observed.as_deref()?, effects, &self.seen).ok()?;
         let options = FitOptions {
             max_steps: (OBSERVED_STEPS - RACE_STEPS) as usize,

@@ -5,9 +5,10 @@
 //! followed, ever fewer of them for ever more steps.
 
 use super::Candidate;
-use super::policy::{EXPLAINED, SCATTERED_RATIO, SHORTLIST};
+use super::policy::{EXPLAINED, SCATTERED, SCATTERED_RATIO, SHORTLIST};
 use super::refine::Models;
 use super::screen::Known;
+use super::search::Search;
 use super::starts::with_nominal_base;
 use super::{values_by_name, with_effects};
 use crate::data::Data;
@@ -33,6 +34,38 @@ struct Place {
     set: usize,
     values: Vec<f64>,
     cost: f64,
+}
+
+impl Search<'_> {
+    /// Fits pairs beside a set from many starts: the single effects that take most, each with every effect at another port; the
+    /// indices. Fitted values may have taken the place of either, so that screening beside them promises nothing.
+    pub(super) fn scattered(&mut self, from: usize, fitted: &[usize]) -> Vec<usize> {
+        let near = self.tried[from].clone();
+        let mut leaders: Vec<usize> = fitted.to_vec();
+        leaders.retain(|&i| self.tried[i].effects.len() == near.effects.len() + 1);
+        let takes = |i: usize| near.fit.cost - self.tried[i].fit.cost;
+        let most = leaders.iter().map(|&i| takes(i)).fold(0.0, f64::max);
+        leaders.retain(|&i| takes(i) > SCATTERED * most);
+        let cards = self.models.exact.effects(&self.models.seen);
+        let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
+        let mut sets: Vec<(Vec<String>, Known)> = Vec::new();
+        for &leader in &leaders {
+            let leader = &self.tried[leader];
+            let own: Vec<_> = leader.effects.iter().filter(|e| !near.effects.contains(e)).collect();
+            for other in self.admitted.iter().filter(|id| !leader.effects.contains(id)) {
+                if own.iter().all(|e| port(e) != port(other)) {
+                    // Alone an effect's values are biased by what is missing beside it: it starts from its guess.
+                    sets.push((self.set_with(leader, std::slice::from_ref(other)), near.known()));
+                }
+            }
+        }
+        self.say_fitted(sets.iter().map(|(set, _)| set.clone()).collect());
+        let mut indices = Vec::new();
+        for fitted in self.models.scattered(&near, &sets) {
+            indices.push(self.kept(fitted));
+        }
+        indices
+    }
 }
 
 impl Models<'_> {

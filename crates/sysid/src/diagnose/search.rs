@@ -4,8 +4,8 @@
 use super::compare::{clearly_better, excess, is_beyond_chance};
 use super::fits::has_two_magnitudes;
 use super::policy::{
-    AT_FLOOR, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST, OPEN_LOOP_WORTH,
-    RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
+    AT_FLOOR, DRIFTS, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST,
+    OPEN_LOOP_WORTH, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
 };
 use super::refine::Models;
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -238,36 +238,6 @@ impl Search<'_> {
         fitted
     }
 
-    /// Fits pairs beside a set from many starts: the single effects that take most, each with every effect at another port; the
-    /// indices. Fitted values may have taken the place of either, so that screening beside them promises nothing.
-    fn scattered(&mut self, from: usize, fitted: &[usize]) -> Vec<usize> {
-        let near = self.tried[from].clone();
-        let mut leaders: Vec<usize> = fitted.to_vec();
-        leaders.retain(|&i| self.tried[i].effects.len() == near.effects.len() + 1);
-        let takes = |i: usize| near.fit.cost - self.tried[i].fit.cost;
-        let most = leaders.iter().map(|&i| takes(i)).fold(0.0, f64::max);
-        leaders.retain(|&i| takes(i) > SCATTERED * most);
-        let cards = self.models.exact.effects(&self.models.seen);
-        let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
-        let mut sets: Vec<(Vec<String>, Known)> = Vec::new();
-        for &leader in &leaders {
-            let leader = &self.tried[leader];
-            let own: Vec<_> = leader.effects.iter().filter(|e| !near.effects.contains(e)).collect();
-            for other in self.admitted.iter().filter(|id| !leader.effects.contains(id)) {
-                if own.iter().all(|e| port(e) != port(other)) {
-                    // Alone an effect's values are biased by what is missing beside it: it starts from its guess.
-                    sets.push((self.set_with(leader, std::slice::from_ref(other)), near.known()));
-                }
-            }
-        }
-        self.say_fitted(sets.iter().map(|(set, _)| set.clone()).collect());
-        let mut indices = Vec::new();
-        for fitted in self.models.scattered(&near, &sets) {
-            indices.push(self.kept(fitted));
-        }
-        indices
-    }
-
     /// A candidate's effects with others, in the catalogue's order.
     pub fn set_with(&self, near: &Candidate, added: &[String]) -> Vec<String> {
         let chosen = |id: &String| near.effects.contains(id) || added.contains(id);
@@ -360,13 +330,14 @@ impl Search<'_> {
     }
 
     /// The best of some sets if it is clearly better than another one, else that. What is better by chance in open loop
-    /// alone does not count; nor, where a simulation is dear, what the observer could have seen and has not: a leg with play
-    /// that rattles, or a foot that strikes, amplifies any change.
+    /// alone does not count; nor what the observer could have seen and has not, where a simulation is dear or drifts: a leg
+    /// with play that rattles, or a foot that strikes, amplifies any change, and any force at all bends a drift.
     fn best_of(&self, indices: &[usize], than: usize) -> usize {
         let (floor, worse) = (self.models.data.floor, &self.tried[than]);
         let real = |set: &Candidate| {
             let mut observed = self.observed.iter().filter(|o| o.effects == set.effects).peekable();
-            let unseen = self.models.dear && observed.peek().is_some();
+            let drifts = |o: &Observed| set.fit.cost > DRIFTS * o.cost;
+            let unseen = observed.peek().is_some_and(|o| self.models.dear || drifts(o));
             observed.any(|o| o.gains) || (!unseen && is_beyond_chance(worse, set))
         };
         let better = |set: &Candidate| clearly_better(worse, set, floor) && real(set);

@@ -1,0 +1,97 @@
+//! Where a simulation begins whose run's first rows tell it only roughly: the position and the speed from which the model's own
+//! motion meets these rows best, weighed against what they tell by themselves.
+
+use super::FirstRows;
+use nalgebra::{Matrix2, Vector2};
+use sealegs_model::Record;
+
+/// Steps of Gauss and Newton; the motion of a few rows is nearly linear in its start.
+const STEPS: usize = 2;
+
+/// Standard deviations that a start stays within of what its rows tell, as a sensor's gain does: where the model is wrong,
+/// noise that is far smaller than its error would otherwise move it anywhere.
+const LIMIT: f64 = 3.0;
+
+/// Position (m, or rad of a rotary drive) and speed of a run's start. `shown` is what the position's column shows of a simulation from
+/// a start at the first rows, if it can be simulated.
+pub(super) fn start(
+    first: &FirstRows,
+    record: &Record,
+    mut shown: impl FnMut((f64, f64)) -> Option<Vec<f64>>,
+) -> (f64, f64) {
+    let begins = &first.start;
+    let stds = Vector2::new(begins.value_std, begins.slope_std);
+    let of = |at: &Vector2<f64>| {
+        let in_units = Vector2::new(begins.value, begins.slope) + at.component_mul(&stds);
+        (first.scale * in_units[0], first.scale * in_units[1])
+    };
+    let mut at = Vector2::<f64>::zeros();
+    let measured = record.output(&first.channel).filter(|_| begins.noise > 0.0 && stds.min() > 0.0);
+    let Some(measured) = measured.map(|m| &m[..begins.rows]) else { return of(&at) };
+    // Residuals in standard deviations of the noise; the start in those of what the rows tell of it.
+    let mut residual = |at: &Vector2<f64>| -> Option<Vec<f64>> {
+        let shown = shown(of(at))?;
+        Some(measured.iter().zip(shown).map(|(m, s)| (m - s) / begins.noise).collect())
+    };
+    let cost = |r: &[f64], at: &Vector2<f64>| r.iter().map(|r| r * r).sum::<f64>() + at.norm_squared();
+    let Some(mut left) = residual(&at) else { return of(&at) };
+    for _ in 0..STEPS {
+        let moved = [Vector2::x(), Vector2::y()].map(|by: Vector2<f64>| residual(&(at + by)));
+        let [Some(x), Some(v)] = moved else { break };
+        let (mut normal, mut right) = (Matrix2::identity(), -at);
+        for ((left, x), v) in left.iter().zip(&x).zip(&v) {
+            let slope = Vector2::new(left - x, left - v);
+            normal += slope * slope.transpose();
+            right += slope * *left;
+        }
+        let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else { break };
+        let next = (at + step).map(|x| x.clamp(-LIMIT, LIMIT));
+        match residual(&next) {
+            Some(after) if cost(&after, &next) < cost(&left, &at) => (at, left) = (next, after),
+            _ => break,
+        }
+    }
+    of(&at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Start;
+    use super::*;
+    use sealegs_model::{InputHold, Signal};
+
+    const NOISE: f64 = 1e-3;
+
+    /// What a column shows of a motion from a start that is braked within 20 ms.
+    fn braked((x, v): (f64, f64), time_s: &[f64]) -> Vec<f64> {
+        time_s.iter().map(|t| x + 0.02 * v * (1.0 - (-t / 0.02).exp())).collect()
+    }
+
+    fn found(slope: f64, slope_std: f64, truth: (f64, f64)) -> (f64, f64) {
+        let time_s: Vec<f64> = (0..20).map(|i| f64::from(i) * 5e-3).collect();
+        let values = braked(truth, &time_s);
+        let outputs = vec![Signal { channel: "joint_angle_rad".to_owned(), values }];
+        let (name, hold) = ("run".to_owned(), InputHold::ZeroOrder);
+        let record = Record { name, time_s: time_s.clone(), hold, inputs: Vec::new(), outputs };
+        let start = Start { value: 0.1, slope, value_std: 5.0 * NOISE, slope_std, noise: NOISE, rows: 20 };
+        let first = FirstRows { channel: "joint_angle_rad".to_owned(), scale: 2.0, start };
+        start_in_units(&first, &record, &time_s)
+    }
+
+    fn start_in_units(first: &FirstRows, record: &Record, time_s: &[f64]) -> (f64, f64) {
+        let (x, v) = start(first, record, |(x, v)| Some(braked((x / first.scale, v / first.scale), time_s)));
+        (x / first.scale, v / first.scale)
+    }
+
+    #[test]
+    fn analytic_rows_that_tell_little_are_followed_by_the_model() {
+        let (x, v) = found(0.4, 2.0, (0.102, -0.5));
+        assert!((x - 0.102).abs() < 2e-4 && (v + 0.5).abs() < 0.03, "{x} {v}");
+    }
+
+    #[test]
+    fn what_the_rows_tell_well_stays() {
+        let (_, v) = found(0.4, 1e-4, (0.1, -0.5));
+        assert!((v - 0.4).abs() <= 3.001e-4, "{v}");
+    }
+}
