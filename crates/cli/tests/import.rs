@@ -130,7 +130,7 @@ fn bench_and_actuator_are_those_of_the_columns() {
         ("time_s,motor_torque_nm,joint_angle_rad", "pendulum", "rigid-rotary"),
         ("time_s,motor_force_n,position_m", "free", "rigid-linear"),
         ("time_s,current_a,motor_angle_rad,force_1_n", "locked", "thor-linear"),
-        ("time_s,elbow.torque_nm,elbow.angle_rad", "robot", "rigid-rotary"),
+        ("time_s,elbow.torque_nm,elbow.angle_rad", "pendulum", "rigid-rotary"),
     ] {
         let wide = columns.split(',').count() - 1;
         let row = |i: i32| format!("{}{}\n", 10 * i, format!(",{}", 30 * (i % 7)).repeat(wide));
