@@ -67,6 +67,7 @@ mod tests {
         time_s.iter().map(|t| x + 0.02 * v * (1.0 - (-t / 0.02).exp())).collect()
     }
 
+    /// What is found of a start whose rows tell a slope so well, in the column's unit.
     fn found(slope: f64, slope_std: f64, truth: (f64, f64)) -> (f64, f64) {
         let time_s: Vec<f64> = (0..20).map(|i| f64::from(i) * 5e-3).collect();
         let values = braked(truth, &time_s);
@@ -75,12 +76,8 @@ mod tests {
         let record = Record { name, time_s: time_s.clone(), hold, inputs: Vec::new(), outputs };
         let start = Start { value: 0.1, slope, value_std: 5.0 * NOISE, slope_std, noise: NOISE, rows: 20 };
         let first = FirstRows { channel: "joint_angle_rad".to_owned(), scale: 2.0, start };
-        start_in_units(&first, &record, &time_s)
-    }
-
-    fn start_in_units(first: &FirstRows, record: &Record, time_s: &[f64]) -> (f64, f64) {
-        let (x, v) = start(first, record, |(x, v)| Some(braked((x / first.scale, v / first.scale), time_s)));
-        (x / first.scale, v / first.scale)
+        let in_column = |(x, v): (f64, f64)| (x / first.scale, v / first.scale);
+        in_column(super::start(&first, &record, |at| Some(braked(in_column(at), &time_s))))
     }
 
     #[test]

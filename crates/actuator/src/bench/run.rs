@@ -40,18 +40,19 @@ impl RunSetup {
         let arm = bench.arm_m();
         let position = [("position_m", 1.0), ("joint_angle_rad", arm), ("motor_angle_rad", spec.ratio())];
         let speed = [("speed_m_s", 1.0), ("speed_rad_s", arm)];
-        let find = |of: &[(&'static str, f64)]| {
-            of.iter().find_map(|(name, k)| Some((*name, *k, start_of(&record.time_s, record.output(name)?))))
+        let first_rows_of = |(channel, scale): &(&str, f64)| {
+            let start = start_of(&record.time_s, record.output(channel)?);
+            Some(FirstRows { channel: (*channel).to_owned(), scale: *scale, start })
         };
-        let of_position = find(&position);
-        let start = match (of_position, find(&speed)) {
-            (Some((_, k, start)), _) => (k * start.value, k * start.slope),
-            (None, Some((_, k, start))) => (0.0, k * start.value),
-            (None, None) => (0.0, 0.0),
+        let of_position = position.iter().find_map(first_rows_of);
+        let start = match &of_position {
+            Some(FirstRows { scale, start, .. }) => (scale * start.value, scale * start.slope),
+            None => {
+                let of_speed = speed.iter().find_map(first_rows_of);
+                (0.0, of_speed.map_or(0.0, |of| of.scale * of.start.value))
+            }
         };
-        let rough = of_position.filter(|(_, _, start)| start.slope_std > 0.0);
-        let first_rows =
-            rough.map(|(channel, scale, start)| FirstRows { channel: channel.to_owned(), scale, start });
+        let first_rows = of_position.filter(|of| of.start.slope_std > 0.0);
         Self { record: record.name.clone(), bench, start, first_rows, servo_gain }
     }
 }

@@ -31,9 +31,9 @@ const NOISE_ROWS: usize = 24;
 /// Where a signal begins, and how well its first rows tell that.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Start {
-    /// Value and slope at the first row.
+    /// Value at the first row.
     pub value: f64,
-    /// Its slope, per second.
+    /// Slope there, per second.
     pub slope: f64,
     /// Standard deviation of the value: what the noise makes of it, and what windows differ by.
     pub value_std: f64,
@@ -46,7 +46,6 @@ pub struct Start {
 }
 
 /// A polynomial at its first row.
-#[derive(Clone, Copy)]
 struct Polynomial {
     rows: usize,
     value: f64,

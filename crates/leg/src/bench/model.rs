@@ -54,7 +54,7 @@ pub struct RobotModel {
     pub(super) joints: Vec<Joint>,
     /// The robot as its URDF and its drives' files have it, without the values and effects of its own file.
     pub(super) plain: Option<Arc<Self>>,
-    /// Factors of the servos' proportional gains by the record's name and the joint, where they are not 1.
+    /// Factors of the servos' proportional gains by the record's name and the joint; 1 where none is there.
     gains: BTreeMap<String, BTreeMap<String, f64>>,
     links: Vec<LinkParameters>,
     pub(super) parameters: Vec<Parameter>,
