@@ -1,7 +1,7 @@
 //! What is said where a joint under a force drifts away from its log in open loop: cut into pieces that begin at the measured
 //! state, the same log tells what its forces are.
 
-use super::outcome::ChannelSaid;
+use super::outcome::{ChannelSaid, Side};
 use sealegs_model::Unit;
 use sealegs_sysid::campaign::Bench;
 use sealegs_sysid::{Campaign, Role, stats};
@@ -37,6 +37,17 @@ pub(super) fn advice(campaign: &Campaign, left: &[ChannelSaid]) -> Option<String
     ))
 }
 
+/// A sentence where the named set leaves more of the fit runs than the base model does, and less of the held-out ones.
+pub(super) fn fitted(base: &Side, after: &Side) -> Option<String> {
+    (after.fit_error > base.fit_error && after.holdout_error < base.holdout_error).then(|| {
+        format!(
+            "The named model was fitted to short pieces of the runs, as its values then predict left-out runs best. In open loop \
+             the base model, fitted to whole runs, comes nearer to the fit runs ({:.0} noise units, the named one {:.0}).",
+            base.fit_error, after.fit_error
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,5 +79,15 @@ mod tests {
         assert!(said.contains("leaves 50 %") && said.contains("window_s = 2.0"), "{said}");
         assert_eq!(advice(&on(Bench::Free), &[left(0.01)]), None);
         assert_eq!(advice(&on(Bench::Locked), &[left(0.0354)]), None);
+    }
+
+    #[test]
+    fn a_named_model_that_leaves_more_of_the_fit_runs_only_is_explained() {
+        let toy = super::super::toy::toy();
+        let (base, after) = (toy.base.clone(), toy.after.clone().expect("a named model"));
+        assert_eq!(fitted(&base, &after), None);
+        let worse = Side { fit_error: 2.0 * base.fit_error, ..after };
+        let said = fitted(&base, &worse).expect("a sentence");
+        assert!(said.contains("(40 noise units, the named one 80)"), "{said}");
     }
 }

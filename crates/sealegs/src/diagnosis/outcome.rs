@@ -381,7 +381,9 @@ impl Outcome {
         };
         if matches!(verdict.kind, VerdictKind::PartlyExplained | VerdictKind::Unexplained) {
             let left = &outcome.after.as_ref().unwrap_or(&outcome.base).channels;
-            outcome.remainder.splice(0..0, super::drift::advice(campaign, left));
+            let advice = super::drift::advice(campaign, left);
+            let fitted = outcome.after.as_ref().and_then(|after| super::drift::fitted(&outcome.base, after));
+            outcome.remainder.splice(0..0, advice.into_iter().chain(fitted));
         }
         outcome.confidence = Confidence::of(&outcome);
         super::intervals::make_honest(&mut outcome);

@@ -11,18 +11,18 @@ use super::search::{Search, all_but};
 use super::windows::in_windows;
 use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, DataRun};
-use crate::fit;
+use crate::fit::{self, FittedParameter};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Some fit runs, and the others; or a part of a single run, and the rest of it.
-struct Fold<'a> {
-    rest: Data<'a>,
-    left_out: Data<'a>,
+pub(super) struct Fold<'a> {
+    pub rest: Data<'a>,
+    pub left_out: Data<'a>,
 }
 
 /// The fit runs in parts, each of which is left out once; a single run in parts of equal length.
-fn folds<'a>(data: &Data<'a>) -> Vec<Fold<'a>> {
+pub(super) fn folds<'a>(data: &Data<'a>) -> Vec<Fold<'a>> {
     let one = data.runs.len() == 1;
     let parts = if one { FOLDS as usize } else { data.runs.len().min(FOLDS as usize) };
     let of_part = |is_of: &dyn Fn(usize) -> bool| {
@@ -153,16 +153,18 @@ impl Search<'_> {
     }
 
     /// The chosen set, where it leaves something, without those members that may be nothing at all: no amplitude of theirs is
-    /// known from zero.
+    /// known from zero, given what it is in the sets that fit as well.
     pub(super) fn without_doubtful(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
         while self.leaves_something(chosen) {
             let set = &self.tried[chosen];
-            let Some(doubtful) = set.effects.iter().find(|effect| is_doubtful(set, effect)).cloned() else {
-                break;
-            };
+            let ties: Vec<&Candidate> = tied.iter().map(|&i| &self.tried[i]).collect();
+            let doubtful = set.effects.iter().find(|effect| is_doubtful(set, &ties, effect)).cloned();
+            let Some(doubtful) = doubtful else { break };
             let effects = all_but(&set.effects, &doubtful);
-            let Some(rest) = self.index_of(&effects, chosen) else { break };
-            self.finish(&[rest]);
+            let Some(rest) = self.rest_of(&effects, chosen) else { break };
+            if self.tried[chosen].exact {
+                self.finish(&[rest]);
+            }
             tied.retain(|&i| !self.tried[i].effects.contains(&doubtful));
             chosen = rest;
         }
@@ -231,24 +233,29 @@ impl Search<'_> {
     }
 }
 
-/// Whether an effect of a fitted set has amplitudes, and the confidence interval of each holds zero.
-fn is_doubtful(set: &Candidate, effect: &str) -> bool {
+/// Whether an effect of a fitted set has amplitudes, and the confidence interval of each holds zero: where other sets that fit
+/// as well have it, too, an amplitude is known no better than they agree.
+fn is_doubtful(set: &Candidate, ties: &[&Candidate], effect: &str) -> bool {
+    let is_nothing = |p: &FittedParameter| {
+        let elsewhere = ties.iter().flat_map(|tie| &tie.fit.parameters).filter(|other| other.name == p.name);
+        let std = elsewhere.map(|other| (other.value - p.value).abs()).fold(p.std, f64::max);
+        p.value.abs() <= KNOWN_FROM_ZERO * std
+    };
     let own = set.model.parameters().iter().zip(&set.fit.parameters);
     let mut amplitudes = own.filter(|(p, _)| symbol(&p.name, effect).is_some() && is_amplitude(p)).peekable();
-    amplitudes.peek().is_some() && amplitudes.all(|(_, p)| p.value.abs() <= KNOWN_FROM_ZERO * p.std)
+    amplitudes.peek().is_some() && amplitudes.all(|(_, p)| is_nothing(p))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Models, folds};
+    use super::{Models, folds, is_doubtful};
     use crate::data::Data;
     use crate::fit::{FitOptions, fit};
     use crate::toy::{Toy, campaign, run};
     use crate::{Role, diagnose::Candidate, diagnose::with_effects};
 
-    /// What the base model, and it with the toy's cubic sensor, leave of two runs whose force is so distorted, each predicted
-    /// from the other.
-    fn left(cubic: [f64; 2]) -> [f64; 2] {
+    /// What `of` says of the base model, and of it with the toy's cubic sensor, fitted to two runs whose force is so distorted.
+    fn fitted<T>(cubic: [f64; 2], of: impl Fn(&Models, &Candidate) -> T) -> [T; 2] {
         let toy = Toy::new();
         let records = cubic.iter().enumerate().map(|(i, a)| {
             let mut record = run(&[1.0, 4.0, 400.0], 400, i as u64 + 1, (0.1, 1e-4), (1.0, 0.0), 1.0);
@@ -259,13 +266,33 @@ mod tests {
         let campaign = campaign(records.collect(), (0.1, 1e-4));
         let data = Data::new(&campaign, Some(Role::Fit), &toy).expect("fit runs");
         let models = Models::new(&data, &toy);
-        let folds = folds(&data);
-        assert_eq!(folds.len(), 2);
         [&[][..], &["cubic-sensor".to_owned()]].map(|effects| {
             let model = with_effects(&toy, effects, &models.seen).expect("a model");
             let at = fit(&data, model.as_ref(), &FitOptions::default()).expect("a fit");
-            models.left_of_others(&Candidate::exactly(&data, effects.to_vec(), model, at), &folds)
+            of(&models, &Candidate::exactly(&data, effects.to_vec(), model, at))
         })
+    }
+
+    /// What they leave of the runs, each predicted from the other.
+    fn left(cubic: [f64; 2]) -> [f64; 2] {
+        fitted(cubic, |models, set| {
+            let folds = folds(models.data);
+            assert_eq!(folds.len(), 2);
+            models.left_of_others(set, &folds)
+        })
+    }
+
+    #[test]
+    fn an_amplitude_is_known_no_better_than_sets_that_fit_as_well_agree() {
+        let doubtful = |factor: f64| {
+            let of = |_: &Models, set: &Candidate| {
+                let mut tie = set.clone();
+                tie.fit.parameters.iter_mut().for_each(|p| p.value *= factor);
+                is_doubtful(set, &[&tie], "cubic-sensor")
+            };
+            fitted([1e-3, 1e-3], of)[1]
+        };
+        assert_eq!([1.0, 1.4, 1.6, -1.0].map(doubtful), [false, false, true, true]);
     }
 
     #[test]

@@ -60,8 +60,7 @@ impl Tried {
             coarse: self.coarse.clone(),
             observed: Some(self.observed.clone()),
             seen: of.seen.clone(),
-            dear: of.dear,
-            windowed: of.windowed,
+            ..*of
         }
     }
 

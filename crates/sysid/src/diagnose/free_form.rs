@@ -55,6 +55,7 @@ impl Fitted {
         let models = tried.models(models);
         let with = models.polished(&with);
         let force = missing_force(&models, &with, ports);
+        let with = models.in_open_loop(with);
         let law = refitted(tried.law.clone(), &with);
         FreeForm {
             law,
@@ -69,19 +70,25 @@ impl Fitted {
 }
 
 impl Search<'_> {
-    /// Fits curves at the ports beside the base model where the best single effect leaves something. On a leg, where a
-    /// simulation is dear, they wait until nothing else is left to try.
-    pub(super) fn look_for_curve(&mut self, single: usize) {
-        if !self.models.dear && self.tried[single].fit.error() > EXPLAINED * self.models.data.floor {
+    /// Fits curves at the ports beside the base model, once, where a set leaves something. On a leg, where a simulation is
+    /// dear, they wait until nothing else is left to try.
+    pub(super) fn look_for_curve(&mut self, set: usize) {
+        let left = self.tried[set].fit.error() > EXPLAINED * self.models.data.floor;
+        if !self.models.dear && left && self.curve.is_none() {
             (self.progress)(Progress::Curves);
-            self.curve = lowest(&self.models, &self.tried[0], &self.ports);
+            self.curve = Some(lowest(&self.models, &self.tried[0], &self.ports));
         }
+    }
+
+    /// The curve that was found.
+    fn found_curve(&self) -> Option<&Fitted> {
+        self.curve.as_ref()?.as_ref()
     }
 
     /// Whether the curve leaves far less than a set: no known effect deserves its name then.
     pub(super) fn curve_beats(&self, set: usize) -> bool {
         let floor = self.models.data.floor;
-        self.curve.as_ref().is_some_and(|curve| curve.beats(&self.tried[set], floor))
+        self.found_curve().is_some_and(|curve| curve.beats(&self.tried[set], floor))
     }
 
     /// Whether, besides, it explains nearly all that is missing, so that further effects would have nothing to explain.
@@ -89,18 +96,18 @@ impl Search<'_> {
         let floor = self.models.data.floor;
         let left = |candidate: &Candidate| excess(candidate.fit.error(), floor);
         let explains = |curve: &Fitted| left(&curve.with) <= CURVE_LEAVES * left(&self.tried[0]);
-        self.curve.as_ref().is_some_and(explains) && self.curve_beats(set)
+        self.found_curve().is_some_and(explains) && self.curve_beats(set)
     }
 }
 
 /// The curves that take most of what the chosen set leaves, beside it, and of what the base model leaves, alone; none where
 /// nothing is left, or no curve takes a good part of it. Where one alone leaves far less than the chosen set, nothing stays
-/// chosen: a known effect is named only if it explains what the free-form curve of its port does. `early` is one alone that the
-/// search has seen.
+/// chosen: a known effect is named only if it explains what the free-form curve of its port does. `early` is what the
+/// search found alone, if it looked.
 pub(super) fn look(
     models: &Models,
     found: &mut Found,
-    early: Option<Fitted>,
+    early: Option<Option<Fitted>>,
     (before, after): (&[Port], &[Port]),
 ) -> Vec<FreeForm> {
     let floor = models.data.floor;
@@ -109,7 +116,7 @@ pub(super) fn look(
     if error(found.chosen) <= EXPLAINED * floor || (found.chosen > 0 && left < LEFT_SHARE) {
         return Vec::new();
     }
-    let alone = early.or_else(|| lowest(models, &found.tried[0], before));
+    let alone = early.unwrap_or_else(|| lowest(models, &found.tried[0], before));
     let beats = alone.as_ref().is_some_and(|law| law.beats(&found.tried[found.chosen], floor));
     let alone = alone.map(|law| law.finished(models, 0, before));
     if found.chosen == 0 || beats {

@@ -67,6 +67,8 @@ impl Models<'_> {
     pub fn with_effects(&self, base: &Candidate, effects: &[String]) -> Option<Candidate> {
         let best = self.grown(base, effects)?;
         let (settled, _) = self.settled(best);
-        Some(self.polished(&self.reordered(settled, effects)))
+        let last = self.last_memory(&settled);
+        let models = Models { last, ..self.clone() };
+        Some(models.in_open_loop(models.polished(&self.reordered(settled, effects))))
     }
 }

@@ -56,6 +56,7 @@ pub use policy::policy;
 pub use refine::Models;
 pub use screen::{Known, Plan, Promise, Screened, screen};
 pub use validation::Validation;
+pub use windows::Memory;
 
 use crate::data::Data;
 use crate::fit::{self, Difference, Fit};
@@ -175,6 +176,12 @@ pub fn diagnose(
         _ if chosen.effects.is_empty() => None,
         _ => missing_force(&models, chosen, &ports),
     };
+    // The base model shows what it can in open loop.
+    let best_base = Models { last: Memory::OpenLoop, ..models.clone() };
+    if models.last != best_base.last {
+        let fit = best_base.polished(&found.tried[0]).fit;
+        found.tried[0].fit = fit;
+    }
     found.tried = found.tried.into_par_iter().map(|c| models.in_open_loop(c)).collect();
     let seen = models.seen;
     progress(Progress::Judging);
@@ -222,7 +229,7 @@ fn search<'a>(
     first: Candidate,
     ports: Vec<Port>,
     progress: &'a (dyn Fn(Progress) + Sync + 'a),
-) -> (Found, Option<free_form::Fitted>, Vec<Port>, Models<'a>) {
+) -> (Found, Option<Option<free_form::Fitted>>, Vec<Port>, Models<'a>) {
     let admitted = models.exact.effects(&models.seen).into_iter().map(|c| c.id).collect();
     let base_as_searched = first.validation.clone();
     let mut search = search::Search {
@@ -239,8 +246,12 @@ fn search<'a>(
     search.confirm_rivals(best);
     let (chosen, mut tied) = search.ties(best);
     let chosen = search.holding_up(chosen, &mut tied);
+    let chosen = search.without_doubtful(chosen, &mut tied);
     let chosen = search.simplified(chosen, &mut tied);
     let chosen = search.in_parts(chosen, &mut tied);
+    if search.leaves_something(chosen) {
+        search.models.last = search.models.last_memory(&search.tried[chosen]);
+    }
     let same = search.models.by_another_name(&search.tried, chosen);
     tied.retain(|i| !same.contains(i));
     let (settled, others) = search.models.settled(search.tried[chosen].clone());

@@ -49,6 +49,9 @@ policy! {
     /// Share of the missing energy that a curve may leave and still explain so much that no further effect is searched: twelve
     /// straight pieces leave that of a spring with a kink.
     CURVE_LEAVES = 0.05;
+    /// Share of what the best single effect leaves that a further one, or a pair, must promise beside it to be fitted before a
+    /// curve is looked for: what is not in the catalogue is promised by nothing in it.
+    PROMISES_MOST = 0.8;
     /// Share of the motor's force that a curve at the drive may take: beyond it the curve takes the command away, and bodies
     /// without mass explain the rest. An estimate: a drive that loses half of its force is seen without any model.
     MOST_LOST = 0.5;

@@ -12,7 +12,7 @@ use super::policy::{
 };
 use super::screen::Known;
 use super::starts::{freed, mixed_by_place, weakened, weakest, with_nominal_base};
-use super::windows::in_windows;
+use super::windows::{Memory, in_windows};
 use super::{Candidate, count, values_by_name, with_effects};
 use crate::Error;
 use crate::data::Data;
@@ -31,6 +31,7 @@ const FINISHED_TOLERANCE: f64 = 1.0;
 const ROUGH_TOLERANCE: f64 = 3.0;
 
 /// A base model in the forms in which a diagnosis uses it, with the fit runs.
+#[derive(Clone)]
 pub struct Models<'a> {
     /// The fit runs.
     pub data: &'a Data<'a>,
@@ -46,6 +47,8 @@ pub struct Models<'a> {
     pub dear: bool,
     /// Whether `coarse` simulates in windows, see [`Model::forgetting`].
     pub windowed: bool,
+    /// In what a last fit simulates then.
+    pub last: Memory,
 }
 
 pub(super) fn records_of<'a>(data: &Data<'a>) -> Vec<&'a Record> {
@@ -62,7 +65,8 @@ impl<'a> Models<'a> {
         let windowed = windows.is_some();
         let dear = exact.is_dear();
         let coarse = windows.unwrap_or(coarse);
-        Self { data, exact, coarse, observed, seen: Excitation::default(), dear, windowed }
+        let last = Memory::OpenLoop;
+        Self { data, exact, coarse, observed, seen: Excitation::default(), dear, windowed, last }
     }
 
     /// The search's forms with the model's own steps from now on.
@@ -325,13 +329,14 @@ impl<'a> Models<'a> {
         })
     }
 
-    /// The candidate fitted to the end with the model itself, and derivatives good enough for standard errors; those of a
-    /// base model that something is missing beside are no use, and dear on a leg.
+    /// The candidate fitted to the end with the model itself, with the memory of a last fit, and derivatives good enough for
+    /// standard errors; those of a base model that something is missing beside are no use, and dear on a leg.
     #[must_use]
     pub fn polished(&self, candidate: &Candidate) -> Candidate {
         let rough = self.dear && candidate.effects.is_empty();
         let polish = || -> Result<Candidate, Error> {
-            let model = with_effects(self.exact, &candidate.effects, &self.seen)?;
+            let last = self.remembering(self.last);
+            let model = with_effects(last.as_deref().unwrap_or(self.exact), &candidate.effects, &self.seen)?;
             let usual = FitOptions::of(self.exact);
             let options = FitOptions {
                 starts: 1,

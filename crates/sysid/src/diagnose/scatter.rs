@@ -105,15 +105,7 @@ impl Models<'_> {
             sets.iter().map(|(set, _)| with_effects(self.coarse.as_ref(), set, &self.seen).ok()).collect();
         let own = self.exact.parameters().len();
         let few = self.extremes(near);
-        let rough = Models {
-            data: &few,
-            exact: self.exact,
-            coarse: self.coarse.clone_box(),
-            observed: None,
-            seen: self.seen.clone(),
-            dear: self.dear,
-            windowed: self.windowed,
-        };
+        let rough = Models { data: &few, observed: None, ..self.clone() };
         // Far from the solution what is known of the base takes the part of what is not: it stays as stated.
         let known: Vec<String> =
             self.exact.parameters().iter().filter(|p| !is_unknown(p)).map(|p| p.name.clone()).collect();

@@ -5,7 +5,7 @@ use super::compare::{clearly_better, excess, is_beyond_chance};
 use super::fits::has_two_magnitudes;
 use super::policy::{
     AT_FLOOR, DRIFTS, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST,
-    OPEN_LOOP_WORTH, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
+    OPEN_LOOP_WORTH, PROMISES_MOST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
 };
 use super::refine::Models;
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -62,8 +62,8 @@ pub(super) struct Search<'a> {
     pub observed: Vec<Observed>,
     /// What is missing at the ports of the base model.
     pub ports: Vec<Port>,
-    /// The curve at one of them that leaves least beside the base model, where no single effect explains what is missing.
-    pub curve: Option<free_form::Fitted>,
+    /// The curve at one of them that leaves least beside the base model, once it was looked for.
+    pub curve: Option<Option<free_form::Fitted>>,
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -72,6 +72,7 @@ impl Search<'_> {
     /// a curve has the last word, what is screened badly is fitted alone: it may explain what three others do not.
     pub fn run(&mut self) -> usize {
         let (mut best, mut ended) = self.grown_from(0, PAIR);
+        self.look_for_curve(best);
         let by_curve = ended == Ended::Curve || self.curve_beats(best);
         if by_curve || ended != Ended::AtLast {
             let other = self.screened_badly(best);
@@ -123,7 +124,7 @@ impl Search<'_> {
             if last && self.tried[best].fit.error() <= EXPLAINED * self.models.data.floor {
                 break;
             }
-            let fitted = self.grown(best);
+            let Some(fitted) = self.grown(best) else { return (best, Ended::Curve) };
             let better = self.best_of(&fitted, best);
             if self.curve_explains(better) {
                 return (better, Ended::Curve);
@@ -203,8 +204,9 @@ impl Search<'_> {
         }
     }
 
-    /// Fits what screening promises beside a set; the indices.
-    fn grown(&mut self, from: usize) -> Vec<usize> {
+    /// Fits what screening promises beside a set; the indices. `None` where no plan promises to explain what the set leaves, and
+    /// a curve at a port does.
+    fn grown(&mut self, from: usize) -> Option<Vec<usize>> {
         let (screened, beside) = self.screened(from);
         if from == 0 {
             self.promises.clone_from(&screened.promises);
@@ -212,7 +214,15 @@ impl Search<'_> {
         let noise = 0.5 * self.models.data.floor.powi(2) * self.tried[from].validation.residuals as f64;
         let left = (self.tried[from].fit.cost - noise).max(0.0);
         let near = self.tried[from].clone();
-        let mut fitted = self.fit_all(&near, beside.as_ref(), screened.plans(left, from > 0), None);
+        let plans = screened.plans(left, from > 0);
+        let seen = beside.as_ref().map_or(left, |beside| beside.fit.cost - noise);
+        if from > 0 && plans.iter().all(|plan| plan.drop < PROMISES_MOST * seen) {
+            self.look_for_curve(from);
+            if self.curve_explains(from) {
+                return None;
+            }
+        }
+        let mut fitted = self.fit_all(&near, beside.as_ref(), plans, None);
         let floor = self.models.data.floor;
         let much = OPEN_LOOP_WORTH * excess(self.tried[from].fit.error(), floor);
         let unexplained = |i: usize| {
@@ -229,13 +239,13 @@ impl Search<'_> {
             .copied()
             .reduce(|a, b| if self.tried[b].fit.cost < self.tried[a].fit.cost { b } else { a });
         let least = least.unwrap_or(from);
-        if from == 0 {
+        if from == 0 && self.models.is_worth_scattering(&self.tried[least]) {
             self.look_for_curve(least);
-            if self.models.is_worth_scattering(&self.tried[least]) && !self.curve_explains(least) {
+            if !self.curve_explains(least) {
                 fitted.extend(self.scattered(from, &fitted));
             }
         }
-        fitted
+        Some(fitted)
     }
 
     /// A candidate's effects with others, in the catalogue's order.
@@ -358,7 +368,7 @@ impl Search<'_> {
 
     /// Index of a set without one of its members. A fit of it from elsewhere may have ended where nothing leads on: it says
     /// that the member is needed only if one from the whole set's values does.
-    fn rest_of(&mut self, rest: &[String], whole: usize) -> Option<usize> {
+    pub(super) fn rest_of(&mut self, rest: &[String], whole: usize) -> Option<usize> {
         let index = self.index_of(rest, whole)?;
         let (whole, floor) = (&self.tried[whole], self.models.data.floor);
         if rest.is_empty() || !clearly_better(&self.tried[index], whole, floor) {
