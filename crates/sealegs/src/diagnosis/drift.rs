@@ -1,5 +1,5 @@
 //! What is said where a joint under a force drifts away from its log in open loop: cut into pieces that begin at the measured
-//! state, the same log tells what its forces are.
+//! state, the same log tells what its forces are; and a robot's named model may have been fitted to such pieces.
 
 use super::outcome::{ChannelSaid, Side};
 use sealegs_model::Unit;

@@ -9,6 +9,7 @@ use super::units::Units;
 use schemars::JsonSchema;
 use sealegs_actuator::spec::is_assumed_bound;
 use sealegs_model::Unit;
+use sealegs_sysid::campaign::Bench;
 use sealegs_sysid::diagnose::{Candidate, Diagnosis, Judged, OpenChoice, VerdictKind};
 use sealegs_sysid::sanity::Finding;
 use sealegs_sysid::{Campaign, Data, Fit, Role, residual};
@@ -382,7 +383,9 @@ impl Outcome {
         if matches!(verdict.kind, VerdictKind::PartlyExplained | VerdictKind::Unexplained) {
             let left = &outcome.after.as_ref().unwrap_or(&outcome.base).channels;
             let advice = super::drift::advice(campaign, left);
-            let fitted = outcome.after.as_ref().and_then(|after| super::drift::fitted(&outcome.base, after));
+            // Only a robot's runs are fitted in pieces.
+            let after = outcome.after.as_ref().filter(|_| matches!(campaign.bench, Bench::Robot));
+            let fitted = after.and_then(|after| super::drift::fitted(&outcome.base, after));
             outcome.remainder.splice(0..0, advice.into_iter().chain(fitted));
         }
         outcome.confidence = Confidence::of(&outcome);
