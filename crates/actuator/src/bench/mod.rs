@@ -50,6 +50,21 @@ pub const DEFAULT_STEP_S: f64 = 1e-4;
 /// Steps per sampling period under a band-limited command.
 const SMOOTH_STEPS_PER_PERIOD: f64 = 4.0;
 
+/// Steps per sample that a search takes of a drive without a spring over those that it takes of one with it: without one nothing
+/// moves faster than the samples show, and the integrator is of second order.
+const WITHOUT_SPRINGS: f64 = 0.25;
+
+/// A search takes no longer steps than that, s, or than a sample: 12 rad/s go 0.05 rad in it, and it is a quarter of a radian
+/// of what the loop of a stiff hobby servo oscillates at, 60 rad/s.
+const LONGEST_SEARCH_STEP_S: f64 = 4e-3;
+
+/// The step, s, of drives without springs in a search that takes so many steps per sample of one with a spring.
+#[must_use]
+pub fn search_step_without_springs(period_s: f64, steps_per_sample: f64) -> f64 {
+    let sampled_s = period_s / (steps_per_sample * WITHOUT_SPRINGS).max(1.0);
+    sampled_s.max(LONGEST_SEARCH_STEP_S.min(2.0 * period_s))
+}
+
 /// An included effect: which one, at which sensor if narrowed down, and where its parameters begin.
 #[derive(Debug, Clone)]
 struct Included {
@@ -345,7 +360,11 @@ impl BenchModel {
         // A smooth command needs no finer steps than its own band, for the linear part is exact.
         let enough = (record.hold == InputHold::BandLimited).then_some(SMOOTH_STEPS_PER_PERIOD);
         let period_s = record.mean_period_s();
-        let fewer = [enough, self.steps_per_sample].into_iter().flatten().map(|n| period_s / n);
+        let enough = enough.map(|n| period_s / n);
+        let searched = self.steps_per_sample.map(|n| {
+            if plant.rigid.is_some() { search_step_without_springs(period_s, n) } else { period_s / n }
+        });
+        let fewer = [enough, searched].into_iter().flatten();
         let wanted_s = fewer.fold(self.step_s, f64::max);
         // A series spring's linear part is exact at any step; a transmission's departs from it by its play.
         let step_s = if plant.is_parted() { plant.step_following(wanted_s, 0.0) } else { wanted_s };

@@ -2,6 +2,7 @@
 
 use crate::plant::Winding;
 use sealegs_model::{Excitation, Parameter, Scale, internal};
+use std::f64::consts::TAU;
 
 /// Linear (N, m) or rotary (N m, rad at the output).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -160,6 +161,13 @@ impl Setting {
     pub fn travel(&self) -> f64 {
         let seen = self.seen.range(internal::SCREW_POSITION).map(|r| r.max - r.min);
         seen.filter(|t| *t > 0.0).unwrap_or(1.0)
+    }
+
+    /// How many turns the rotor made, from one end to the other; `None` where it was not seen to turn.
+    #[must_use]
+    pub fn turns(&self) -> Option<f64> {
+        let range = self.seen.range(internal::ROTOR_ANGLE)?;
+        Some((range.max - range.min) / TAU).filter(|turns| *turns > 0.0)
     }
 
     /// Whether a bridge drives the motor with a duty, or may do so.

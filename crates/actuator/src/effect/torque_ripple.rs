@@ -12,10 +12,13 @@ pub struct TorqueRipple;
 impl Effect for TorqueRipple {
     fn card(&self, setting: &Setting) -> EffectCard {
         let force = setting.force();
+        // A part of a wave is an offset with a slope.
+        let fewest = setting.turns().map_or(FEWEST, |turns| (1.0 / turns).clamp(FEWEST, MOST));
+        let guess = fewest.max(7.0);
         let parameters = vec![
             setting.amount("amplitude", Quantity::Force, 0.05 * force, force),
             with_starts(
-                Parameter { typical: 0.02, ..Parameter::new("cycles_per_rev", "", 7.0, 0.5, 100.0) },
+                Parameter { typical: 0.02, ..Parameter::new("cycles_per_rev", "", guess, fewest, MOST) },
                 (1..=48).map(f64::from),
             ),
             Parameter { typical: 0.3, ..Parameter::new("phase_rad", "rad", 0.0, -TURN, TURN) },
@@ -38,6 +41,10 @@ impl Effect for TorqueRipple {
         }
     }
 
+    fn applies(&self, setting: &Setting) -> bool {
+        setting.turns().is_none_or(|turns| turns * MOST > 1.0)
+    }
+
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
         plant.laws.rotor_forces.push(Box::new(Ripple {
             amplitude: values[0],
@@ -46,6 +53,12 @@ impl Effect for TorqueRipple {
         }));
     }
 }
+
+/// Fewest cycles per turn of the rotor that are tried, where that turns often enough to show them.
+const FEWEST: f64 = 0.5;
+
+/// Most of them.
+const MOST: f64 = 100.0;
 
 /// Twice the range that a phase needs, so that a search does not end at a bound on its way around.
 const TURN: f64 = std::f64::consts::TAU;
@@ -66,6 +79,24 @@ impl RotorForce for Ripple {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sealegs_model::{SignalRange, internal};
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn analytic_a_wave_of_which_less_than_one_was_travelled_is_not_looked_for() {
+        let turned = |max: f64| {
+            let name = internal::ROTOR_ANGLE.to_owned();
+            let mut setting = Setting::unknown();
+            setting.seen.ranges = vec![SignalRange { name, min: 0.0, max, rms: max }];
+            (TorqueRipple.card(&setting).parameters.swap_remove(1), TorqueRipple.applies(&setting))
+        };
+        let (cycles, applies) = turned(3.0 * TAU);
+        assert_eq!((cycles.min, cycles.starts.len(), applies), (0.5, 48, true));
+        let (cycles, applies) = turned(0.1 * TAU);
+        assert!((cycles.min - 10.0).abs() < 1e-9 && cycles.starts[0] >= cycles.min && applies);
+        assert_eq!(cycles.value, cycles.min);
+        assert!(!turned(0.005 * TAU).1);
+    }
 
     #[test]
     fn analytic_repeats_with_the_rotor() {

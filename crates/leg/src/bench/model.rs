@@ -10,7 +10,7 @@ use super::tree::Tree;
 use crate::LegError;
 use crate::error::nearest;
 use crate::robot::{JointKind, Robot};
-use sealegs_actuator::bench::{Bench, BenchModel, Fed, command_times};
+use sealegs_actuator::bench::{Bench, BenchModel, Fed, command_times, search_step_without_springs};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::plant::{Feed, Grid, Plant, sample};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
@@ -24,14 +24,6 @@ use std::sync::Arc;
 
 /// The integrator's greatest step, s.
 const STEP_S: f64 = 5e-4;
-
-/// Steps per sample that a search takes here over those that it takes of a drive with a spring: without one nothing moves
-/// faster than the samples show, and the integrator is of second order.
-const WITHOUT_SPRINGS: f64 = 0.25;
-
-/// A search takes no longer steps than that, s, or than a sample: 12 rad/s go 0.05 rad in it, and it is a quarter of a radian
-/// of what the loop of a stiff hobby servo oscillates at, 60 rad/s.
-const LONGEST_SEARCH_STEP_S: f64 = 4e-3;
 
 /// Free parameters beyond which a search does not look at everything: three joints with loops of their own have some 22, and
 /// with each joint come as many effects again.
@@ -432,9 +424,7 @@ impl Model for RobotModel {
         }
         let machine = self.machine(values, record)?;
         let period_s = record.mean_period_s();
-        let fewer = self.steps_per_sample.map_or(0.0, |n| {
-            (period_s / (n * WITHOUT_SPRINGS).max(1.0)).max(LONGEST_SEARCH_STEP_S.min(2.0 * period_s))
-        });
+        let fewer = self.steps_per_sample.map_or(0.0, |n| search_step_without_springs(period_s, n));
         let step_s = self.step_with(self.step_s.max(fewer), &machine.drives);
         let grid = Grid::covering(&record.time_s, step_s);
         let value =

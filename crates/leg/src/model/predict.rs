@@ -41,13 +41,28 @@ impl Input {
     }
 }
 
-/// Internal signals of each actuator, which effects choose their guesses by.
-pub(super) const INTERNALS: [&str; 4] =
-    [internal::MOTOR_FORCE, internal::SCREW_SPEED, internal::SPRING_DEFLECTION, internal::SPRING_FORCE];
+/// Internal signals of each actuator, which effects choose their guesses by and what is missing may depend on.
+pub(super) const INTERNALS: [&str; 7] = [
+    internal::MOTOR_FORCE,
+    internal::SCREW_SPEED,
+    internal::SPRING_DEFLECTION,
+    internal::SPRING_FORCE,
+    internal::SCREW_POSITION,
+    internal::ROTOR_ANGLE,
+    internal::SCREW_FORCE,
+];
 
 /// Their values at an instant, of an actuator with a travel in m/rad.
-pub(super) fn internals(a: &ActuatorInstant, travel_per_rad: f64) -> [f64; 4] {
-    [a.motor_force_n, a.rotor_speed_rad_s * travel_per_rad, a.deflection_m, a.spring_force_n]
+pub(super) fn internals(a: &ActuatorInstant, travel_per_rad: f64) -> [f64; INTERNALS.len()] {
+    [
+        a.motor_force_n,
+        a.rotor_speed_rad_s * travel_per_rad,
+        a.deflection_m,
+        a.spring_force_n,
+        a.extension_m,
+        a.rotor_angle_rad,
+        a.force_2_n,
+    ]
 }
 
 /// What is wrong with a leg, as a model says it.
