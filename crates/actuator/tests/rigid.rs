@@ -302,14 +302,21 @@ fn reference_a_servo_that_is_sent_away_at_once_begins_at_rest() {
     log.outputs.push(Signal { channel: "joint_angle_rad".to_owned(), values: shown });
     let setup = RunSetup::of_record(&log, model.spec(), model.bench(), 1.0);
     let by_rows = RunSetup { first_rows: None, ..setup.clone() };
-    let off = |setup: RunSetup| {
-        let model = model.clone().with_runs(vec![setup]).expect("good");
-        let got = model.predict(&values(&model), &log, &["joint_angle_rad".to_owned()]).expect("finite");
-        got.outputs[0].values.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    let shown_by = |model: &BenchModel| {
+        let got = model.predict(&values(model), &log, &["joint_angle_rad".to_owned()]).expect("finite");
+        got.outputs.into_iter().next().expect("the angle").values
+    };
+    let with = |setup: RunSetup| model.clone().with_runs(vec![setup]).expect("good");
+    let off = |model: &BenchModel| {
+        shown_by(model).iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     };
     // A cubic through its first rows is several counts off.
-    let (found, by_rows) = (off(setup), off(by_rows));
+    let met = with(setup);
+    let (found, by_rows) = (off(&met), off(&with(by_rows)));
     assert!(by_rows > 3.0 * COUNT && found < 0.5 * COUNT, "{found} {by_rows}");
+    let told = met.clone().starting_as(&log).expect("finite");
+    assert!(told.run(&log.name).expect("its run").first_rows.is_none());
+    assert_eq!(shown_by(&told), shown_by(&met));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use sealegs_leg::model::LegModel;
 use sealegs_leg::scenario::Scenario;
-use sealegs_model::{Excitation, InputHold, Model, Prediction, Record, Signal};
+use sealegs_model::{Excitation, InputHold, Model, Prediction, Record, Signal, internal};
 
 const SWING: &str = "robot = \"thor-leg\"\nduration_s = 0.4\nstep_s = 2e-4\n[base]\nkind = \"fixed\"\nheight_m = 1.2\n\
     [start]\nsprings = \"balanced\"\nposture_rad = { hip_pitch = -0.6, knee = 0.4 }\n[controller]\nkind = \"pd\"\n\
@@ -99,4 +99,26 @@ fn zeros_stand_behind_the_base_parameters_whatever_is_included_first() {
     let (then, first) = (with_friction(then.as_ref()), with_friction(first.as_ref()));
     assert_eq!(then.outputs, first.outputs);
     assert!(off(&then, &record, "knee") > 0.05 && off(&then, &record, "hip_front") < ALIKE_N);
+}
+
+#[test]
+fn analytic_a_screw_goes_where_its_rotor_and_its_speed_take_it() {
+    let model = leg();
+    let record = recorded(&model, &[]);
+    let observing = model.observing(&[&record]).expect("every joint and rotor was measured");
+    for model in [&model as &dyn Model, observing.as_ref()] {
+        let got = model.predict(&values(model), &record, &channels()).unwrap();
+        let of = |name: &str| got.internal(&format!("knee.{name}")).expect("there");
+        let (position, speed) = (of(internal::SCREW_POSITION), of(internal::SCREW_SPEED));
+        let (angle, load) = (of(internal::ROTOR_ANGLE), of(internal::SCREW_FORCE));
+        assert_eq!(angle, got.output("knee.rotor_angle_rad").unwrap());
+        let (last, middle) = (position.len() - 1, position.len() / 2);
+        let moved: f64 = speed.windows(2).map(|v| 0.5e-3 * (v[0] + v[1])).sum();
+        assert!((position[last] - position[0] - moved).abs() < 1e-5 && moved.abs() > 1e-3, "{moved}");
+        assert!((position[last] / angle[last] / (position[middle] / angle[middle]) - 1.0).abs() < 1e-9);
+        // Spring and screw bear the same but for the sprung mass; an observer knows no acceleration in the last row.
+        let spring = of(internal::SPRING_FORCE);
+        let off = load[..last].iter().zip(spring).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 50.0 && load[..last].iter().any(|f| f.abs() > 100.0), "{off}");
+    }
 }

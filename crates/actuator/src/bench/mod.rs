@@ -197,6 +197,23 @@ impl BenchModel {
         self.runs.iter().find(|run| run.record == record)
     }
 
+    /// The same model, the start of a record's run where a simulation with the nominal values begins it: first rows that tell
+    /// a start roughly are met by the model's own motion.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Model::predict`].
+    pub fn starting_as(mut self, record: &Record) -> Result<Self, ModelError> {
+        if self.run(&record.name).is_some_and(|run| run.first_rows.is_some()) {
+            let values: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
+            let start = self.simulate(&values, record)?.0.start;
+            for run in self.runs.iter_mut().filter(|run| run.record == record.name) {
+                (run.start, run.first_rows) = (start, None);
+            }
+        }
+        Ok(self)
+    }
+
     /// The bench of a run.
     fn bench_of(&self, record: &str) -> Bench {
         self.run(record).map_or(self.bench, |run| run.bench)

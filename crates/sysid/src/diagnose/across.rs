@@ -11,8 +11,9 @@ use super::search::{Search, all_but};
 use super::windows::in_windows;
 use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, DataRun};
-use crate::fit::{self, FittedParameter};
+use crate::fit::{self, Fit, FittedParameter};
 use rayon::prelude::*;
+use sealegs_model::Model;
 use std::ops::Range;
 
 /// Some fit runs, and the others; or a part of a single run, and the rest of it.
@@ -55,25 +56,45 @@ fn stretches(rows: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
 }
 
 impl Models<'_> {
+    /// What `each` says of the rest of the fit runs and of what is left out, fold by fold.
+    pub(super) fn over_folds<T: Send>(
+        &self,
+        folds: &[Fold],
+        each: impl Fn(&Data, &Data) -> T + Sync + Send,
+    ) -> Vec<T> {
+        let of_fold = |fold: &Fold| {
+            // A copy counts its own work from zero.
+            let (rest, left_out) = (fold.rest.clone(), fold.left_out.clone());
+            let said = each(&rest, &left_out);
+            self.data.add_work(&rest);
+            self.data.add_work(&left_out);
+            said
+        };
+        folds.par_iter().map(of_fold).collect()
+    }
+
     /// Sum of squared residuals of runs that a set is not fitted to, over all folds; infinite if it cannot be simulated. In open
     /// loop, as the holdout runs will be judged, or in windows where open loop says little.
     fn left_of_others(&self, set: &Candidate, folds: &[Fold]) -> f64 {
         let searched = self.exact.coarser(STEPS_PER_SAMPLE);
         let searched = in_windows(self.data, searched.as_ref()).unwrap_or(searched);
-        let of_fold = |fold: &Fold| -> Option<f64> {
-            let model = with_effects(searched.as_ref(), &set.effects, &self.seen).ok()?;
-            // A copy counts its own work from zero.
-            let (rest, left_out) = (fold.rest.clone(), fold.left_out.clone());
-            let start = values_by_name(model.as_ref(), &set.known());
-            let options = self.options(model.as_ref(), start, set);
-            let fit = fit::fit(&rest, model.as_ref(), &options).ok()?;
-            let left = left_out.judge(model.as_ref(), &fit.values, fit.sensors()).ok()?;
-            self.data.add_work(&rest);
-            self.data.add_work(&left_out);
-            Some(left.blocks.iter().flat_map(|b| &b.residual).map(|r| r * r).sum())
+        let Ok(model) = with_effects(searched.as_ref(), &set.effects, &self.seen) else {
+            return f64::INFINITY;
         };
-        folds.iter().map(|fold| of_fold(fold).unwrap_or(f64::INFINITY)).sum()
+        let start = values_by_name(model.as_ref(), &set.known());
+        let options = self.options(model.as_ref(), start, set);
+        let of_fold = |rest: &Data, left_out: &Data| {
+            let fit = fit::fit(rest, model.as_ref(), &options).ok();
+            fit.map_or(f64::INFINITY, |fit| squares(left_out, model.as_ref(), &fit))
+        };
+        self.over_folds(folds, of_fold).into_iter().sum()
     }
+}
+
+/// Sum of squared residuals of runs with the values of a fit to others; infinite if they cannot be simulated.
+pub(super) fn squares(left_out: &Data, model: &dyn Model, fit: &Fit) -> f64 {
+    let at = left_out.judge(model, &fit.values, fit.sensors());
+    at.map_or(f64::INFINITY, |at| at.blocks.iter().flat_map(|b| &b.residual).map(|r| r * r).sum())
 }
 
 impl Search<'_> {
@@ -123,28 +144,40 @@ impl Search<'_> {
         }
     }
 
-    /// The chosen set, or it without a member that takes no more than a trace of the fit runs, where that is not clearly worse
-    /// once both are fitted to the end. A last fit frees what the search holds (see
-    /// [`sealegs_model::Parameter::freed_at_last`]), and until then a further effect may stand in for it. What a trace leaves is
-    /// fitted to the end in any case: it is the set that will be named.
-    pub(super) fn without_traces(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
+    /// The chosen set without members that are nothing to speak of. One that may be nothing at all leaves, as no amplitude of
+    /// it is known from zero, given what it is in the sets that fit as well: where the set leaves something in any case, else
+    /// where the rest is not clearly worse. So does one that takes no more than a trace of the fit runs, once both are fitted to
+    /// the end: a last fit frees what the search holds (see [`sealegs_model::Parameter::freed_at_last`]), and until then a
+    /// further effect may stand in for it. What a trace leaves is fitted to the end in any case: it is the set that is named.
+    pub(super) fn without_idle(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
         let floor = self.models.data.floor;
-        let least = NAMED_SHARE * (self.tried[0].fit.error() - floor).max(0.0);
         'smaller: loop {
-            let effects = self.tried[chosen].effects.clone();
-            for leaving in effects.iter().filter(|_| effects.len() > 1) {
+            let (set, something) = (&self.tried[chosen], self.leaves_something(chosen));
+            let (effects, exact) = (set.effects.clone(), set.exact);
+            for leaving in &effects {
+                let ties: Vec<&Candidate> = tied.iter().map(|&i| &self.tried[i]).collect();
+                // Of an error that adds up in open loop a last fit has few independent samples.
+                let doubtful =
+                    !(exact && self.models.windowed) && is_doubtful(&self.tried[chosen], &ties, leaving);
                 let rest = all_but(&effects, leaving);
-                let Some(rest) = self.tried.iter().position(|t| t.effects == rest) else { continue };
-                // What a fit in windows leaves says nothing beside one in open loop.
-                let comparable = self.tried[rest].exact || !self.models.windowed;
-                let taken = self.tried[rest].fit.error() - self.tried[chosen].fit.error();
-                if !comparable || taken >= least {
-                    continue;
+                let known = || self.tried.iter().position(|t| t.effects == rest);
+                let rest = if doubtful {
+                    self.rest_of(&rest, chosen)
+                } else {
+                    known().filter(|&rest| self.is_trace(chosen, rest))
+                };
+                let Some(rest) = rest else { continue };
+                if exact {
+                    self.finish(&[rest]);
                 }
-                self.finish(&[rest]);
-                if !clearly_better(&self.tried[rest], &self.tried[chosen], floor) {
+                let idle = doubtful && something;
+                if idle || !clearly_better(&self.tried[rest], &self.tried[chosen], floor) {
+                    let members = effects.len() - 1;
+                    tied.retain(|&i| {
+                        let tie = &self.tried[i].effects;
+                        i != rest && tie.len() <= members && !tie.contains(leaving)
+                    });
                     chosen = rest;
-                    tied.clear();
                     continue 'smaller;
                 }
             }
@@ -152,23 +185,13 @@ impl Search<'_> {
         }
     }
 
-    /// The chosen set, where it leaves something, without those members that may be nothing at all: no amplitude of theirs is
-    /// known from zero, given what it is in the sets that fit as well.
-    pub(super) fn without_doubtful(&mut self, mut chosen: usize, tied: &mut Vec<usize>) -> usize {
-        while self.leaves_something(chosen) {
-            let set = &self.tried[chosen];
-            let ties: Vec<&Candidate> = tied.iter().map(|&i| &self.tried[i]).collect();
-            let doubtful = set.effects.iter().find(|effect| is_doubtful(set, &ties, effect)).cloned();
-            let Some(doubtful) = doubtful else { break };
-            let effects = all_but(&set.effects, &doubtful);
-            let Some(rest) = self.rest_of(&effects, chosen) else { break };
-            if self.tried[chosen].exact {
-                self.finish(&[rest]);
-            }
-            tied.retain(|&i| !self.tried[i].effects.contains(&doubtful));
-            chosen = rest;
-        }
-        chosen
+    /// Whether a set that was fitted to the end takes no more than a trace beyond a part of it that is not empty. What a fit in
+    /// windows leaves says nothing beside one in open loop.
+    fn is_trace(&self, set: usize, part: usize) -> bool {
+        let error = |i: usize| self.tried[i].fit.error();
+        let least = NAMED_SHARE * (error(0) - self.models.data.floor).max(0.0);
+        let comparable = self.tried[part].exact || !self.models.windowed;
+        self.tried[set].exact && part > 0 && comparable && error(part) - error(set) < least
     }
 
     /// Where the chosen set leaves something, those without one of its members: what a member takes is judged on holdout runs,

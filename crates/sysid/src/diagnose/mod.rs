@@ -246,7 +246,7 @@ fn search<'a>(
     search.confirm_rivals(best);
     let (chosen, mut tied) = search.ties(best);
     let chosen = search.holding_up(chosen, &mut tied);
-    let chosen = search.without_doubtful(chosen, &mut tied);
+    let chosen = search.without_idle(chosen, &mut tied);
     let chosen = search.simplified(chosen, &mut tied);
     let chosen = search.in_parts(chosen, &mut tied);
     if search.leaves_something(chosen) {
@@ -263,8 +263,7 @@ fn search<'a>(
     search.finish(&[0, chosen]);
     let open = search.models.open_choices(&others, &search.tried[chosen]);
     let chosen = if search.leaves_something(chosen) { search.simplified(chosen, &mut tied) } else { chosen };
-    let chosen = search.without_traces(chosen, &mut tied);
-    let chosen = search.without_doubtful(chosen, &mut tied);
+    let chosen = search.without_idle(chosen, &mut tied);
     // A simpler set that took the place of the one that was fitted to the end is not fitted to the end itself.
     search.finish(&[chosen]);
     search.finish(&search.compared_with(chosen));

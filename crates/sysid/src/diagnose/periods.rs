@@ -14,10 +14,10 @@ use std::f64::consts::TAU;
 /// The parameter that says where an effect resonates.
 pub(super) const RESONANCE: &str = "frequency_hz";
 
-/// The card with starting periods where the missing force at the rotor has the most power along the screw, beside its own ones
-/// unless a simulation is dear; there it keeps those of its starting cycles per turn of the rotor that have most power. As it
-/// is where the effect has neither, or no observer shows what is missing. A resonance starts where what is left has the most
-/// power, too: beside its own width nothing leads to it.
+/// The card with starting periods where the missing force at the rotor has the most power along the screw; where a simulation
+/// is dear it keeps those of its starting cycles per turn of the rotor that have most power. As it is where the effect has
+/// neither, or no observer shows what is missing. A resonance starts where what is left has the most power, too: beside its
+/// own width nothing leads to it.
 pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard) -> EffectCard {
     let dear = observed.model.is_dear();
     let mut card = card.clone();
@@ -33,9 +33,8 @@ pub(super) fn with_periods(data: &Data, observed: &Candidate, card: &EffectCard)
             && let Some(missing) = rotor()
         {
             let found = strongest(&along(data, observed, &missing, internal::SCREW_POSITION), p);
-            match found.first() {
-                Some(first) if dear => (p.value, p.starts) = (*first, found),
-                _ => p.starts.extend(found),
+            if let Some(first) = found.first() {
+                (p.value, p.starts) = (*first, found);
             }
         } else if p.name == EffectCard::CYCLES
             && dear

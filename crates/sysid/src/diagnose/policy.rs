@@ -137,6 +137,10 @@ policy! {
     /// Times that what a linear regression promises of an effect is simulated, as strong as the time before promised it to
     /// help most, or half as strong: four halvings lead from the widest start of play to the next one.
     LOOKS = 5.0;
+    /// Share of the greatest promise below which an effect is not looked at again, if there are enough others: a resonance that
+    /// starts beside its frequency promises a seventh of what it takes, and what takes little beside the best is seen once that
+    /// is in the model.
+    LOOKED_AT_AGAIN = 0.02;
     /// Ratio of strengths within which a promise is held: a fit goes the rest of the way in a step.
     PROMISE_HELD = 1.25;
     /// Share of a promised fall that a simulation must show for the promise to be followed on: a parabola that is off by
@@ -174,7 +178,7 @@ policy! {
     FARTHEST = 3.0;
     /// Least share of the value that was simulated with which a fit starts: closer to nothing a search would not leave it.
     NEAREST = 0.2;
-    /// Share of what a set leaves above the floor that those found under the observer must all leave for a look in open loop:
+    /// Share of what a set leaves above the floor that the best one found under the observer must leave for a look in open loop:
     /// with half of it taken the next round has less beside it to hide what it looks for.
     OPEN_LOOP_WORTH = 0.5;
     /// Share of the mean square that the base model leaves below which a set leaves a trace only: other sets are then

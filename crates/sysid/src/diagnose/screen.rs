@@ -6,8 +6,8 @@
 //! Signatures of several effects are regressed together: effects that explain something only together show there.
 
 use super::policy::{
-    ANYHOW, FARTHEST, HALF_AS_STRONG, LOOKS, LOOKS_ALIKE, NEAREST, PAIR_WORTH, PAIRED, PROMISE_HELD,
-    PROMISE_KEPT, PROMISES_LITTLE, SCREEN_STEPS_PER_SAMPLE, SHORTLIST, SHORTLIST_PAIRS,
+    ANYHOW, FARTHEST, HALF_AS_STRONG, LOOKED_AT_AGAIN, LOOKS, LOOKS_ALIKE, NEAREST, PAIR_WORTH, PAIRED,
+    PROMISE_HELD, PROMISE_KEPT, PROMISES_LITTLE, SCREEN_STEPS_PER_SAMPLE, SHORTLIST, SHORTLIST_PAIRS,
 };
 use super::{Candidate, count, counting, periods};
 use crate::data::Data;
@@ -213,7 +213,8 @@ fn wave(
     })
 }
 
-/// Looks at the best starts of all effects again, as strong as they promised to be, and regresses them together.
+/// Looks at the best starts again, as strong as they promised to be, and regresses them together. An effect that promises next
+/// to nothing beside the best one keeps its first promise.
 fn together(
     data: &Data,
     beside: &Candidate,
@@ -224,11 +225,15 @@ fn together(
     let coarse = beside.model.coarser(SCREEN_STEPS_PER_SAMPLE);
     let base = (coarse.as_ref(), &beside.fit.values[..]);
     let Ok(unchanged) = data.predict_outputs(base.0, base.1) else { return Screened::default() };
+    let least = looks.first().map_or(0.0, |best| LOOKED_AT_AGAIN * best.drop);
     let mut kept: Vec<Look> = Vec::new();
+    let mut others: Vec<Look> = Vec::new();
     for look in looks {
         let same = kept.iter().filter(|k| k.card == look.card);
         let alike = |k: &Look| (k.simulated - look.simulated).abs() <= LOOKS_ALIKE * look.simulated.abs();
-        if same.clone().count() < KEPT && !same.into_iter().any(alike) {
+        if look.drop < least && kept.len() >= KEPT * PAIRED as usize {
+            others.push(look);
+        } else if same.clone().count() < KEPT && !same.into_iter().any(alike) {
             kept.push(look);
         }
     }
@@ -256,6 +261,14 @@ fn together(
             best.push(i);
         }
     }
+    for look in others {
+        let effect = &cards[look.card].id;
+        if promises.iter().all(|p| p.effect != *effect) {
+            let drop = look.drop.min(look.simulated);
+            promises.push(Promise { effect: effect.clone(), drop, start: named(&look, 1.0) });
+        }
+    }
+    promises.sort_by(|a, b| b.drop.total_cmp(&a.drop));
     best.truncate(PAIRED as usize);
     let mut pairs: Vec<Plan> = Vec::new();
     for (n, &i) in best.iter().enumerate() {

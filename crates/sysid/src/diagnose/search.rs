@@ -225,11 +225,9 @@ impl Search<'_> {
         let mut fitted = self.fit_all(&near, beside.as_ref(), plans, None);
         let floor = self.models.data.floor;
         let much = OPEN_LOOP_WORTH * excess(self.tried[from].fit.error(), floor);
-        let unexplained = |i: usize| {
-            let error = self.tried[i].fit.error();
-            error > NEAR_FLOOR * floor && excess(error, floor) >= much
-        };
-        let unexplained = fitted.iter().all(|&i| unexplained(i));
+        let better = self.best_of(&fitted, from);
+        let error = self.tried[better].fit.error();
+        let unexplained = error > NEAR_FLOOR * floor && excess(error, floor) >= much;
         if let Some(beside) = beside.as_ref().filter(|_| unexplained && !self.is_long()) {
             let plans = self.in_open_loop(from, beside, &screened);
             fitted.extend(self.fit_all(&near, None, plans, None));

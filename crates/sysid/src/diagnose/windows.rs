@@ -4,13 +4,12 @@
 //! is judged and told. Where it leaves something, that error grows in open loop, too, and values that take some of it there
 //! may be worth nothing on the next run: a last fit ends in the windows from which left-out runs are predicted best.
 
-use super::across::{Fold, folds};
+use super::across::{folds, squares};
 use super::policy::{EXPLAINED, WINDOWS};
 use super::refine::{Models, records_of};
 use super::{Candidate, with_effects};
 use crate::data::Data;
 use crate::fit::{self, Fit};
-use rayon::prelude::*;
 use sealegs_model::Model;
 
 /// After what a simulation forgets an error.
@@ -79,23 +78,17 @@ impl Models<'_> {
             return Memory::OpenLoop;
         }
         let Ok(open) = with_effects(self.exact, &set.effects, &self.seen) else { return Memory::OpenLoop };
-        let of_fold = |fold: &Fold| -> Vec<f64> {
-            // A copy counts its own work from zero.
-            let (rest, left_out) = (fold.rest.clone(), fold.left_out.clone());
+        let of_fold = |rest: &Data, left_out: &Data| -> [f64; WAY.len()] {
             let mut values = set.fit.values.clone();
-            let left = WAY.map(|memory| {
-                let Some(fit) = self.fitted_to(&rest, set, values.clone(), memory) else {
+            WAY.map(|memory| {
+                let Some(fit) = self.fitted_to(rest, set, values.clone(), memory) else {
                     return f64::INFINITY;
                 };
                 values.clone_from(&fit.values);
-                let at = left_out.judge(open.as_ref(), &fit.values, fit.sensors());
-                at.map_or(f64::INFINITY, |at| at.blocks.iter().flat_map(|b| &b.residual).map(|r| r * r).sum())
-            });
-            self.data.add_work(&rest);
-            self.data.add_work(&left_out);
-            left.to_vec()
+                squares(left_out, open.as_ref(), &fit)
+            })
         };
-        let folds: Vec<Vec<f64>> = folds(self.data).par_iter().map(of_fold).collect();
+        let folds = self.over_folds(&folds(self.data), of_fold);
         let left = |k: usize| folds.iter().map(|fold| fold[k]).sum::<f64>();
         let best = (0..WAY.len()).reduce(|a, b| if left(b) <= left(a) { b } else { a });
         best.map_or(Memory::OpenLoop, |best| WAY[best])
