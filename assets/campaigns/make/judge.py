@@ -13,9 +13,8 @@ import pathlib
 import subprocess
 import sys
 
-import equations as eq
 from campaigns import VALIDATION
-from make import true_params
+from make import COLUMN, true_params
 from robot import mujoco_leg
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -69,13 +68,10 @@ def base_values(verdict, name, scale):
     """Truth, value and standard error of each of the actuators' own numbers whose interval is not withheld."""
     fitted = {p["name"]: p for p in model_after(verdict)["parameters"]}
     leg = mujoco_leg(VALIDATION[name]["runs"][0][2])
-    columns = {
-        "stiffness": eq.STIFFNESS, "reflected_inertia": eq.INERTIA, "damping": eq.DAMPING, "force_constant": eq.FORCE_CONSTANT
-    }
     found = []
     for actuator, row in zip(leg.names, true_params(leg, scale)):
-        for number, column in columns.items():
-            p = fitted.get(f"{actuator}/{number}")
+        for number, column in COLUMN.items():
+            p = fitted.get(f"{actuator}/{'reflected_inertia' if number == 'inertia' else number}")
             if p and p.get("std"):
                 found.append((row[column], p["value"], p["std"]))
     return found
@@ -96,6 +92,10 @@ def main():
     arguments = parser.parse_args()
     campaigns = sorted(p for p in arguments.folder.iterdir() if (p / "campaign.toml").is_file())
     arguments.verdicts.mkdir(parents=True, exist_ok=True)
+    made_by = arguments.verdicts / "search"
+    if made_by.is_file() and made_by.read_text() != stamp():
+        sys.exit(f"{arguments.verdicts}: its verdicts are of another search, {made_by.read_text()}")
+    made_by.write_text(stamp())
     verdicts = {}
     for path in campaigns:
         verdicts[path.name] = diagnosed(arguments.sealegs, path, arguments.verdicts)

@@ -1,9 +1,9 @@
 //! Where a simulation begins whose run's first rows tell it only roughly: the position and the speed from which the model's own
 //! motion meets these rows best, weighed against what they tell by themselves.
 
-use super::FirstRows;
+use super::{BenchModel, FirstRows};
 use nalgebra::{Matrix2, Vector2};
-use sealegs_model::Record;
+use sealegs_model::{Model, ModelError, Record};
 
 /// Steps of Gauss and Newton; the motion of a few rows is nearly linear in its start.
 const STEPS: usize = 2;
@@ -11,6 +11,25 @@ const STEPS: usize = 2;
 /// Standard deviations that a start stays within of what its rows tell, as a sensor's gain does: where the model is wrong,
 /// noise that is far smaller than its error would otherwise move it anywhere.
 const LIMIT: f64 = 3.0;
+
+impl BenchModel {
+    /// The same model, the start of a record's run where a simulation with the nominal values begins it: first rows that tell
+    /// a start roughly are met by the model's own motion.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Model::predict`].
+    pub fn starting_as(mut self, record: &Record) -> Result<Self, ModelError> {
+        if self.run(&record.name).is_some_and(|run| run.first_rows.is_some()) {
+            let values: Vec<f64> = self.parameters().iter().map(|p| p.value).collect();
+            let start = self.simulate(&values, record)?.0.start;
+            for run in self.runs.iter_mut().filter(|run| run.record == record.name) {
+                (run.start, run.first_rows) = (start, None);
+            }
+        }
+        Ok(self)
+    }
+}
 
 /// Position (m, or rad of a rotary drive) and speed of a run's start. `shown` is what the position's column shows of a simulation from
 /// a start at the first rows, if it can be simulated.

@@ -24,6 +24,7 @@ mod run;
 mod sensor;
 mod signature;
 mod start;
+mod step;
 
 pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE};
 pub use fed::{Fed, command_times};
@@ -33,37 +34,18 @@ pub use pendulum::PendulumRig;
 pub use run::{FirstRows, RunSetup};
 pub use sensor::{Recording, Sensor, record};
 pub use start::{LONGEST_S, Start, rows_within, start_of};
+pub use step::search_step_without_springs;
 
 use crate::effect::{CATALOGUE, Effect, OwnEffect, Setting, embedded, ids};
 use crate::plant::{Grid, Plant, Trace};
 use crate::spec::{EffectSpec, EffectValue, narrowed};
 use crate::text::nearest;
 use crate::{ActuatorError, ActuatorSpec, Configuration, Kind};
-use sealegs_model::{
-    EffectCard, Excitation, InputHold, Law, Model, ModelError, Parameter, Prediction, Record,
-};
+use sealegs_model::{EffectCard, Excitation, Law, Model, ModelError, Parameter, Prediction, Record};
 use std::sync::Arc;
 
 /// The integrator's greatest step, s, unless another is asked for.
 pub const DEFAULT_STEP_S: f64 = 1e-4;
-
-/// Steps per sampling period under a band-limited command.
-const SMOOTH_STEPS_PER_PERIOD: f64 = 4.0;
-
-/// Steps per sample that a search takes of a drive without a spring over those that it takes of one with it: without one nothing
-/// moves faster than the samples show, and the integrator is of second order.
-const WITHOUT_SPRINGS: f64 = 0.25;
-
-/// A search takes no longer steps than that, s, or than a sample: 12 rad/s go 0.05 rad in it, and it is a quarter of a radian
-/// of what the loop of a stiff hobby servo oscillates at, 60 rad/s.
-const LONGEST_SEARCH_STEP_S: f64 = 4e-3;
-
-/// The step, s, of drives without springs in a search that takes so many steps per sample of one with a spring.
-#[must_use]
-pub fn search_step_without_springs(period_s: f64, steps_per_sample: f64) -> f64 {
-    let sampled_s = period_s / (steps_per_sample * WITHOUT_SPRINGS).max(1.0);
-    sampled_s.max(LONGEST_SEARCH_STEP_S.min(2.0 * period_s))
-}
 
 /// An included effect: which one, at which sensor if narrowed down, and where its parameters begin.
 #[derive(Debug, Clone)]
@@ -195,23 +177,6 @@ impl BenchModel {
     #[must_use]
     pub fn run(&self, record: &str) -> Option<&RunSetup> {
         self.runs.iter().find(|run| run.record == record)
-    }
-
-    /// The same model, the start of a record's run where a simulation with the nominal values begins it: first rows that tell
-    /// a start roughly are met by the model's own motion.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`Model::predict`].
-    pub fn starting_as(mut self, record: &Record) -> Result<Self, ModelError> {
-        if self.run(&record.name).is_some_and(|run| run.first_rows.is_some()) {
-            let values: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
-            let start = self.simulate(&values, record)?.0.start;
-            for run in self.runs.iter_mut().filter(|run| run.record == record.name) {
-                (run.start, run.first_rows) = (start, None);
-            }
-        }
-        Ok(self)
     }
 
     /// The bench of a run.
@@ -374,15 +339,8 @@ impl BenchModel {
                 servo.proportional *= run.servo_gain;
             }
         }
-        // A smooth command needs no finer steps than its own band, for the linear part is exact.
-        let enough = (record.hold == InputHold::BandLimited).then_some(SMOOTH_STEPS_PER_PERIOD);
-        let period_s = record.mean_period_s();
-        let enough = enough.map(|n| period_s / n);
-        let searched = self.steps_per_sample.map(|n| {
-            if plant.rigid.is_some() { search_step_without_springs(period_s, n) } else { period_s / n }
-        });
-        let fewer = [enough, searched].into_iter().flatten();
-        let wanted_s = fewer.fold(self.step_s, f64::max);
+        let rigid = plant.rigid.is_some();
+        let wanted_s = step::of_record(record, self.step_s, self.steps_per_sample, rigid);
         // A series spring's linear part is exact at any step; a transmission's departs from it by its play.
         let step_s = if plant.is_parted() { plant.step_following(wanted_s, 0.0) } else { wanted_s };
         let value =
@@ -391,7 +349,7 @@ impl BenchModel {
         let command = (&*told, &input.values[..]);
         let fed =
             |plant: &Plant, grid: &Grid| Fed::of(plant, record, command, |name| record.input(name), grid);
-        if let (Some(first), true) = (run.and_then(|run| run.first_rows.as_ref()), plant.rigid.is_some()) {
+        if let (Some(first), true) = (run.and_then(|run| run.first_rows.as_ref()), rigid) {
             let grid = Grid::covering(&record.time_s[..first.start.rows], step_s);
             let fed = fed(&plant, &grid);
             plant.start = begin::start(first, record, |start| {

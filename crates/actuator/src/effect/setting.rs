@@ -159,15 +159,18 @@ impl Setting {
     /// How far the output moved, from one end to the other, m.
     #[must_use]
     pub fn travel(&self) -> f64 {
-        let seen = self.seen.range(internal::SCREW_POSITION).map(|r| r.max - r.min);
-        seen.filter(|t| *t > 0.0).unwrap_or(1.0)
+        self.moved(internal::SCREW_POSITION).unwrap_or(1.0)
     }
 
     /// How many turns the rotor made, from one end to the other; `None` where it was not seen to turn.
     #[must_use]
     pub fn turns(&self) -> Option<f64> {
-        let range = self.seen.range(internal::ROTOR_ANGLE)?;
-        Some((range.max - range.min) / TAU).filter(|turns| *turns > 0.0)
+        self.moved(internal::ROTOR_ANGLE).map(|angle| angle / TAU)
+    }
+
+    /// How far a signal went, from one end to the other; `None` where it was not seen to move.
+    fn moved(&self, signal: &str) -> Option<f64> {
+        self.seen.range(signal).map(|r| r.max - r.min).filter(|far| *far > 0.0)
     }
 
     /// Whether a bridge drives the motor with a duty, or may do so.

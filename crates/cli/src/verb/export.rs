@@ -225,7 +225,7 @@ fn of_campaign(arguments: &Export, format: Format, stem: &str) -> anyhow::Result
                 bad_input(format!("{}: its run has no input that the drive takes: {takes}", arguments.what))
             })?;
             let model = match &record {
-                Some(record) => model.clone().starting_as(record).or_bad_input()?,
+                Some(record) => model.starting_as(record).or_bad_input()?,
                 None => model,
             };
             let run = record.as_ref().map(|r| r.name.as_str());
