@@ -75,7 +75,7 @@ fn reference_a_clean_leg_leaves_the_sensors_noise_and_nothing_else() {
         let made = LegOrder { step_s: scene.step_s(), ..order(scene, Vec::new()) }.make().unwrap();
         let (all, channel, worst) = error(&made, &[]);
         println!("{scene:?}: {all:.4}, worst {channel} {worst:.4}");
-        // The product compares at 200 us, within a fifth of a sensor's noise of the converged motion while it swings
+        // The product compares at 100 us, within a fifth of a sensor's noise of the converged motion while it swings
         // and half of it where the sole slides in landing: sqrt(1 + 0.5^2) = 1.12 and a little.
         let (most, worst_of_all) = if scene == Scene::Drop { (0.04, 1.2) } else { (0.02, 1.05) };
         assert!((all - 1.0).abs() < most && worst < worst_of_all, "{scene:?}: {all} {channel} {worst}");

@@ -197,6 +197,7 @@ mod tests {
             open: Vec::new(),
             promises: Vec::new(),
             laws: Vec::new(),
+            rugged: Vec::new(),
             base_as_searched: tried[0].validation.clone(),
             tried,
         }

@@ -10,6 +10,8 @@ use sealegs_model::{
 #[derive(Debug, Clone)]
 pub(crate) struct Toy {
     pub parameters: Vec<Parameter>,
+    /// Amplitude and period of a wave along the effect's parameter, which gives the error many minima.
+    pub wave: (f64, f64),
     cubic: bool,
 }
 
@@ -21,7 +23,7 @@ impl Toy {
             Parameter::new("stiffness", "N/m", 400.0, 50.0, 2000.0),
         ];
         parameters[1].scale = sealegs_model::Scale::Logarithmic;
-        Self { parameters, cubic: false }
+        Self { parameters, wave: (0.0, 1.0), cubic: false }
     }
 }
 
@@ -102,7 +104,12 @@ impl Model for Toy {
             .map(|channel| {
                 let values = match channel.as_str() {
                     "spring_deflection_m" => position.clone(),
-                    "force_1_n" if self.cubic => load.iter().map(|f| f + values[3] * f.powi(3)).collect(),
+                    "force_1_n" if self.cubic => {
+                        let (amplitude, period) = self.wave;
+                        let cubic =
+                            values[3] + amplitude * (std::f64::consts::TAU * values[3] / period).sin();
+                        load.iter().map(|f| f + cubic * f.powi(3)).collect()
+                    }
                     "force_1_n" => load.clone(),
                     _ => return Err(ModelError::UnknownChannel { channel: channel.clone() }),
                 };

@@ -28,9 +28,9 @@ use std::sync::Arc;
 
 /// The step of integration with which records are compared, s, where the scenarios' periods are multiples of it and
 /// their own step is finer. Against another simulator at 20 us, drops from 0.1 m and swings of the THOR leg are within
-/// 0.22 of a sensor's noise (root mean square of the worst channel) and 0.017 rad of a rotor angle; at 100 us, which costs
-/// twice the time, within 0.037.
-pub const COMPARISON_STEP_S: f64 = 2e-4;
+/// 0.037 of a sensor's noise (root mean square of the worst channel); at 200 us they were within 0.22 and 0.017 rad of a rotor
+/// angle. A search takes a quarter of a sampling period.
+pub const COMPARISON_STEP_S: f64 = 1e-4;
 
 /// The longest step that a search takes, s: in a drop the foot's contact is stiff.
 const COARSEST_STEP_S: f64 = 5e-4;
@@ -404,7 +404,7 @@ impl Model for LegModel {
     }
 
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
-        Box::new(Self { steps_per_sample: Some(steps_per_sample), ..self.clone() })
+        Box::new(Self { steps_per_sample: Some(steps_per_sample), halved: false, ..self.clone() })
     }
 
     fn finer(&self) -> Option<Box<dyn Model>> {

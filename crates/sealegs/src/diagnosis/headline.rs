@@ -280,7 +280,10 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str, foremost: Op
         let rungs = "Root mean square residual over the noise of each channel; the held-out runs took no part in the search.";
         match (&o.missing_force, foremost) {
             (Some(missing), _) => {
-                let (chart, caption) = (force::chart(missing), force::caption(missing, &o.effects));
+                let (chart, mut caption) = (force::chart(missing), force::caption(missing, &o.effects));
+                if o.verdict == "adequate" {
+                    caption.push_str(" No effect follows from it: without one the model predicts the held-out runs to their noise.");
+                }
                 page.side_by_side(&[(&ladder, rungs), (&chart, &caption)]);
             }
             (None, Some(chart)) => {

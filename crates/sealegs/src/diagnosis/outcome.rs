@@ -278,6 +278,16 @@ pub fn sensors(fit: &Fit) -> Vec<SensorValue> {
         .collect()
 }
 
+/// What is said of effects' parameters along which the error is rugged.
+fn rugged_note(names: &[String]) -> Option<String> {
+    (!names.is_empty()).then(|| {
+        format!(
+            "The error has many minima along {}: many values leave about as much, and the interval holds them all.",
+            names.join(" and ")
+        )
+    })
+}
+
 /// The errors of the holdout runs, channel by channel.
 fn channel_errors(
     campaign: &Campaign,
@@ -321,6 +331,7 @@ impl Outcome {
             }
         };
         let named = matches!(verdict.kind, VerdictKind::MissingEffect | VerdictKind::PartlyExplained);
+        let rugged = named.then(|| rugged_note(&diagnosis.found.rugged)).flatten();
         let mut outcome = Self {
             campaign: campaign.name.clone(),
             noise_floor: verdict.floor,
@@ -376,7 +387,7 @@ impl Outcome {
             confidence: Confidence::default(),
             remainder: verdict.remainder.clone(),
             sanity,
-            notes: campaign.notes.clone(),
+            notes: campaign.notes.iter().cloned().chain(rugged).collect(),
             work: Work { simulations: diagnosis.simulations, simulated_s: diagnosis.simulated_s },
             provenance,
         };

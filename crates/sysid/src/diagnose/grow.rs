@@ -3,6 +3,7 @@
 use super::along::simpler_along;
 use super::policy::STARTS;
 use super::refine::Models;
+use super::rugged;
 use super::screen::{Known, screen};
 use super::starts::with_nominal_base;
 use super::{Candidate, values_by_name, with_effects};
@@ -69,6 +70,8 @@ impl Models<'_> {
         let (settled, _) = self.settled(best);
         let last = self.last_memory(&settled);
         let models = Models { last, ..self.clone() };
-        Some(models.in_open_loop(models.polished(&self.reordered(settled, effects))))
+        let last = models.in_open_loop(models.polished(&self.reordered(settled, effects)));
+        let (fit, _) = rugged::widened(self.data, &last);
+        Some(Candidate { fit, ..last })
     }
 }

@@ -24,6 +24,7 @@ mod fits;
 mod free_form;
 mod grow;
 mod judge;
+mod last;
 mod missing;
 mod nested;
 mod periods;
@@ -34,6 +35,7 @@ mod regression;
 mod rig;
 mod rivals;
 mod rows;
+mod rugged;
 mod scatter;
 mod screen;
 mod search;
@@ -104,6 +106,8 @@ pub struct Found {
     pub promises: Vec<Promise>,
     /// Curves at a port that take what no known effect takes, where something is left: beside the chosen set, or alone.
     pub laws: Vec<FreeForm>,
+    /// Parameters of the chosen set's effects along which the error is rugged: their intervals are wide.
+    pub rugged: Vec<String>,
     /// How the base model predicts what was left out, as exactly as the search was: what the sets that were not
     /// fitted again compare with.
     pub base_as_searched: Validation,
@@ -183,6 +187,8 @@ pub fn diagnose(
         found.tried[0].fit = fit;
     }
     found.tried = found.tried.into_par_iter().map(|c| models.in_open_loop(c)).collect();
+    let (fit, rugged) = rugged::widened(&data, &found.tried[found.chosen]);
+    (found.tried[found.chosen].fit, found.rugged) = (fit, rugged);
     let seen = models.seen;
     progress(Progress::Judging);
     let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
@@ -268,6 +274,16 @@ fn search<'a>(
     search.finish(&[chosen]);
     search.finish(&search.compared_with(chosen));
     let search::Search { models, tried, promises, ports, curve, .. } = search;
-    let found = Found { tried, chosen, tied, same, open, promises, laws: Vec::new(), base_as_searched };
+    let found = Found {
+        tried,
+        chosen,
+        tied,
+        same,
+        open,
+        promises,
+        laws: Vec::new(),
+        rugged: Vec::new(),
+        base_as_searched,
+    };
     (found, curve, ports, models)
 }

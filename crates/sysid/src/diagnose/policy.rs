@@ -163,6 +163,14 @@ policy! {
     STEPS_DEAR = 5.0;
     /// Most steps with the model itself where derivatives are dear.
     DEAR_STEPS = 8.0;
+    /// Standard deviations of what is known of a base parameter beyond which a last fit starts again there, where derivatives
+    /// are dear: 95 %.
+    FAR_FROM_KNOWN = 2.0;
+    /// Most steps of a last fit with half the integrator's steps: the first corrects the values, the second that.
+    HALF_STEPS = 3.0;
+    /// Ratio of how far a value goes until as much more is left as is left, to how far the curvature says, from which on the
+    /// error is rugged: a law that bends is off by less.
+    RUGGED = 5.0;
     /// Windows of a run, where an error in open loop grows or adds up: short beside the swing of a link (a second, in runs of
     /// ten), so that an error is nearly linear in what is missing and where friction sticks hardly depends on what came
     /// before. On two pendulums with dry friction 160 and 240 order sets alike, 40 rests in other minima for each start.

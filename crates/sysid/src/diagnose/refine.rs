@@ -4,22 +4,20 @@
 //! observer (see [`Model::observing`]) an error lasts for one of its time constants only. What is fitted there begins the
 //! fit in open loop, which alone is validated, compared and judged.
 
-use super::candidate::within_half_a_period;
 use super::compare::{excess, is_seen, mean_square_difference};
 use super::policy::{
-    AT_FLOOR, DEAR_STEPS, FREED_ROUNDS, NOTHING_MORE, OBSERVED_STEPS, RACE_STEPS, RACED, RIVAL_COST, STEPS,
-    STEPS_DEAR, STEPS_PER_SAMPLE, TRACE, WEAKER,
+    AT_FLOOR, OBSERVED_STEPS, RACE_STEPS, RACED, RIVAL_COST, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE, TRACE,
+    WEAKER,
 };
 use super::screen::Known;
-use super::starts::{freed, mixed_by_place, weakened, weakest, with_nominal_base};
+use super::starts::{mixed_by_place, weakened, weakest, with_nominal_base};
 use super::windows::{Memory, in_windows};
 use super::{Candidate, count, values_by_name, with_effects};
 use crate::Error;
 use crate::data::Data;
-use crate::fit::{self, Difference, Fit, FitOptions, KnownColumns};
+use crate::fit::{self, Difference, Fit, FitOptions};
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model, Parameter, Record};
-use std::sync::Arc;
 
 /// Gain of a step with which a fit in a search is content (see [`FitOptions::tolerance`]).
 const TOLERANCE: f64 = 0.05;
@@ -76,12 +74,9 @@ impl<'a> Models<'a> {
     }
 
     /// Mean squared difference of a set's predictions with the search's steps and with the model's own, in squared noise
-    /// units; with half of the model's own where simulations are dear, as the search has no other ones there.
+    /// units.
     #[must_use]
     pub fn step_error(&self, candidate: &Candidate) -> f64 {
-        if self.dear {
-            return candidate.step_error(self.data, &candidate.fit.evaluation);
-        }
         let exact = in_windows(self.data, self.exact);
         let exactly = with_effects(exact.as_deref().unwrap_or(self.exact), &candidate.effects, &self.seen)
             .and_then(|model| self.data.evaluate(model.as_ref(), &candidate.fit.values));
@@ -140,6 +135,7 @@ impl<'a> Models<'a> {
             tolerance: if self.dear { ROUGH_TOLERANCE } else { TOLERANCE },
             difference: if self.dear { Difference::Secant } else { Difference::Forward },
             secants: self.dear,
+            compares: self.dear,
             columns: self.dear.then(|| near.columns()),
             held: count::held(model),
             ..FitOptions::default()
@@ -299,12 +295,7 @@ impl<'a> Models<'a> {
             return candidate;
         }
         let (model, start) = (candidate.model.clone_box(), candidate.fit.values.clone());
-        let options = FitOptions {
-            difference: Difference::Forward,
-            tolerance: FINISHED_TOLERANCE,
-            max_steps: STEPS as usize,
-            ..self.options(model.as_ref(), start, &candidate)
-        };
+        let options = finishing(self.options(model.as_ref(), start, &candidate));
         Candidate::fitted(self.data, candidate.effects.clone(), model, &options).unwrap_or(candidate)
     }
 
@@ -329,70 +320,22 @@ impl<'a> Models<'a> {
         })
     }
 
-    /// The candidate fitted to the end with the model itself, with the memory of a last fit, and derivatives good enough for
-    /// standard errors; those of a base model that something is missing beside are no use, and dear on a leg.
-    #[must_use]
-    pub fn polished(&self, candidate: &Candidate) -> Candidate {
-        let rough = self.dear && candidate.effects.is_empty();
-        let polish = || -> Result<Candidate, Error> {
-            let last = self.remembering(self.last);
-            let model = with_effects(last.as_deref().unwrap_or(self.exact), &candidate.effects, &self.seen)?;
-            let usual = FitOptions::of(self.exact);
-            let options = FitOptions {
-                starts: 1,
-                columns: usual.secants.then(|| candidate.columns()),
-                max_steps: if self.dear { DEAR_STEPS as usize } else { usual.max_steps },
-                difference: match (rough, self.dear) {
-                    (true, _) => Difference::Secant,
-                    (false, true) => Difference::Forward,
-                    (false, false) => usual.difference,
-                },
-                last: true,
-                ..usual
-            };
-            let from = |start: Vec<f64>| {
-                let options = FitOptions { start: Some(start), ..options.clone() };
-                count::fit_holding(self.data, model.as_ref(), &options)
-            };
-            let values =
-                self.with_longer_memory(candidate).unwrap_or_else(|| self.rescaled(candidate).values);
-            let start = within_half_a_period(model.parameters(), &values);
-            let mut fit = from(start)?;
-            // What lies far from the value that was held is several steps away.
-            for _ in 0..if self.dear { 1 } else { FREED_ROUNDS as usize } {
-                let before = fit.cost;
-                for start in freed(model.as_ref(), &fit.values) {
-                    fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
-                }
-                if fit.cost > before - NOTHING_MORE {
-                    break;
-                }
-            }
-            Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
-        };
-        polish().unwrap_or_else(|_| candidate.clone())
-    }
-
-    /// A candidate's fit followed along changes of the units of force and length, where derivatives are cheap.
-    fn rescaled(&self, candidate: &Candidate) -> Fit {
-        let (model, fit) = (candidate.model.as_ref(), candidate.fit.clone());
-        if self.dear {
-            return fit;
-        }
-        let refit = |near: &Fit, start: Vec<f64>| {
-            let columns = Some(Arc::new(KnownColumns::of(near)));
-            let options = FitOptions { secants: true, columns, ..self.options(model, start, candidate) };
-            fit::fit(self.data, model, &options).ok()
-        };
-        fit::along_units(self.data, model, fit, &count::held(model), refit)
-    }
-
     /// Whether nothing is left to explain, or a trace of what the base model leaves.
     #[must_use]
     pub fn is_settled(&self, candidate: &Candidate, base: &Candidate) -> bool {
         let floor = self.data.floor;
         let left = excess(candidate.fit.error(), floor);
         candidate.fit.error() <= AT_FLOOR * floor || left <= TRACE * excess(base.fit.error(), floor)
+    }
+}
+
+/// How the leader is fitted on where derivatives are dear.
+pub(super) fn finishing(options: FitOptions) -> FitOptions {
+    FitOptions {
+        difference: Difference::Forward,
+        tolerance: FINISHED_TOLERANCE,
+        max_steps: STEPS as usize,
+        ..options
     }
 }
 

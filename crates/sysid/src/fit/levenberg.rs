@@ -53,6 +53,8 @@ fn lower(a: Option<Place>, b: Option<Place>) -> Option<Place> {
 struct Thrift {
     /// Columns to begin with.
     columns: Option<Arc<KnownColumns>>,
+    /// See [`FitOptions::compares`].
+    compares: bool,
     /// The differences that say that nothing helps any more.
     finest: Difference,
     /// Whether the last columns still predict what a step does.
@@ -128,6 +130,7 @@ impl Search {
         self.rough = options.difference == Difference::Forward;
         self.thrift = options.secants.then(|| Thrift {
             columns: options.columns.clone(),
+            compares: options.compares && options.difference == Difference::Secant,
             finest: options.difference,
             trusted: true,
             promised: f64::INFINITY,
@@ -244,7 +247,7 @@ impl Search {
             enough = enough.max(RELATIVE_FAR * self.cost);
         }
         // A race is not won by what no longer predicts a step.
-        let races = self.thrift.as_ref().is_some_and(|t| t.finest == Difference::Secant);
+        let races = self.thrift.as_ref().is_some_and(|t| t.compares);
         if races {
             enough = enough.max(RACED * self.cost);
         }

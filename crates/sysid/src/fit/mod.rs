@@ -64,6 +64,9 @@ pub struct FitOptions {
     /// Whether a step that keeps its promise brings the derivatives up to date by itself, in place of a simulation
     /// for every parameter; they are then simulated only where a step fails, and at the end.
     pub secants: bool,
+    /// Whether sets are compared only: gains of a thousandth of the cost do not matter to a fit without any derivatives of its
+    /// own.
+    pub compares: bool,
     /// Derivatives that are known from nearby, to begin with.
     pub columns: Option<Arc<KnownColumns>>,
 }
@@ -81,6 +84,7 @@ impl Default for FitOptions {
             held: Vec::new(),
             last: false,
             secants: false,
+            compares: false,
             columns: None,
         }
     }

@@ -1,0 +1,122 @@
+//! The last fit of a set: with the model itself, and derivatives that are good enough for standard errors.
+
+use super::candidate::within_half_a_period;
+use super::policy::{DEAR_STEPS, FAR_FROM_KNOWN, FREED_ROUNDS, HALF_STEPS, NEAR_FLOOR, NOTHING_MORE};
+use super::refine::{Models, finishing};
+use super::starts::freed;
+use super::{Candidate, count, with_effects};
+use crate::Error;
+use crate::fit::{self, Difference, Fit, FitOptions, KnownColumns};
+use sealegs_model::{Model, Parameter};
+use std::sync::Arc;
+
+/// Gain of a step with half the integrator's steps below which it is not taken: a fifth of a standard error.
+const HALF_TOLERANCE: f64 = 0.02;
+
+impl Models<'_> {
+    /// The candidate fitted to the end with the model itself, with the memory of a last fit, and derivatives good enough for
+    /// standard errors; those of a base model that something is missing beside are no use, and dear on a leg.
+    #[must_use]
+    pub fn polished(&self, candidate: &Candidate) -> Candidate {
+        let rough =
+            self.dear && candidate.effects.is_empty() && candidate.fit.error() > NEAR_FLOOR * self.data.floor;
+        let again = (self.dear && !rough).then(|| self.from_what_is_known(candidate)).flatten();
+        let candidate = again.as_ref().unwrap_or(candidate);
+        let polish = || -> Result<Candidate, Error> {
+            let last = self.remembering(self.last);
+            let model = with_effects(last.as_deref().unwrap_or(self.exact), &candidate.effects, &self.seen)?;
+            let usual = FitOptions::of(self.exact);
+            let options = FitOptions {
+                starts: 1,
+                columns: usual.secants.then(|| candidate.columns()),
+                max_steps: if self.dear { DEAR_STEPS as usize } else { usual.max_steps },
+                difference: match (rough, self.dear) {
+                    (true, _) => Difference::Secant,
+                    (false, true) => Difference::Forward,
+                    (false, false) => usual.difference,
+                },
+                compares: rough,
+                last: true,
+                ..usual
+            };
+            let from = |start: Vec<f64>| {
+                let options = FitOptions { start: Some(start), ..options.clone() };
+                count::fit_holding(self.data, model.as_ref(), &options)
+            };
+            let values =
+                self.with_longer_memory(candidate).unwrap_or_else(|| self.rescaled(candidate).values);
+            let start = within_half_a_period(model.parameters(), &values);
+            let mut fit = from(start)?;
+            // What lies far from the value that was held is several steps away.
+            for _ in 0..if self.dear { 1 } else { FREED_ROUNDS as usize } {
+                let before = fit.cost;
+                for start in freed(model.as_ref(), &fit.values) {
+                    fit = from(start).ok().filter(|other| other.cost < fit.cost).unwrap_or(fit);
+                }
+                if fit.cost > before - NOTHING_MORE {
+                    break;
+                }
+            }
+            let (model, fit) = if rough { (model, fit) } else { self.with_half_the_steps(model, fit) };
+            Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
+        };
+        polish().unwrap_or_else(|_| candidate.clone())
+    }
+
+    /// A set fitted again with the base parameters that ended far from what is known of them where they are known to be, if that
+    /// leaves less. A joint that hardly moves rings for a hundred periods: its springs fit in many places, and each
+    /// looks like the end. Where simulations are cheap other starts find that.
+    fn from_what_is_known(&self, set: &Candidate) -> Option<Candidate> {
+        let is_far = |p: &Parameter, value: f64| {
+            let known = p.prior_std.filter(|_| !p.fixed);
+            known.is_some_and(|std| (value - p.value).abs() > FAR_FROM_KNOWN * std)
+        };
+        let parameters = set.model.parameters().iter().zip(&set.fit.values);
+        let start = parameters.map(|(p, &value)| if is_far(p, value) { p.value } else { value });
+        let start: Vec<f64> = start.collect();
+        if start == set.fit.values {
+            return None;
+        }
+        // Derivatives are others there.
+        let options = FitOptions { columns: None, ..finishing(self.options(set.model.as_ref(), start, set)) };
+        let again = Candidate::fitted(self.data, set.effects.clone(), set.model.clone_box(), &options).ok();
+        again.filter(|again| again.fit.cost < set.fit.cost)
+    }
+
+    /// A last fit led on with half the integrator's steps, where that makes a difference: by the derivatives that it has, as only
+    /// the values depend on the steps, by less than an interval.
+    fn with_half_the_steps(&self, model: Box<dyn Model>, fit: Fit) -> (Box<dyn Model>, Fit) {
+        let Some(finer) = model.finer().filter(|finer| count::held(finer.as_ref()).is_empty()) else {
+            return (model, fit);
+        };
+        let options = FitOptions {
+            start: Some(fit.values.clone()),
+            starts: 1,
+            max_steps: HALF_STEPS as usize,
+            tolerance: HALF_TOLERANCE,
+            difference: Difference::Secant,
+            secants: true,
+            columns: Some(Arc::new(KnownColumns::of(&fit))),
+            last: true,
+            ..FitOptions::default()
+        };
+        match fit::fit(self.data, finer.as_ref(), &options) {
+            Ok(led_on) => (finer, led_on),
+            Err(_) => (model, fit),
+        }
+    }
+
+    /// A candidate's fit followed along changes of the units of force and length, where derivatives are cheap.
+    fn rescaled(&self, candidate: &Candidate) -> Fit {
+        let (model, fit) = (candidate.model.as_ref(), candidate.fit.clone());
+        if self.dear {
+            return fit;
+        }
+        let refit = |near: &Fit, start: Vec<f64>| {
+            let columns = Some(Arc::new(KnownColumns::of(near)));
+            let options = FitOptions { secants: true, columns, ..self.options(model, start, candidate) };
+            fit::fit(self.data, model, &options).ok()
+        };
+        fit::along_units(self.data, model, fit, &count::held(model), refit)
+    }
+}
