@@ -1,6 +1,6 @@
 //! What may be fitted of a robot's links: mass, centre of mass and moment of inertia, each near what the URDF says.
 
-use super::tree::Tree;
+use crate::dynamics::equations::MovingBodies;
 use crate::robot::Robot;
 use sealegs_model::Parameter;
 
@@ -29,7 +29,11 @@ pub(super) struct LinkParameters {
 /// Adds the parameters of every moving body that has a mass: `<link>/mass` (kg), `<link>/com_distance` (m, of the centre of
 /// mass from the joint) and `<link>/moment_ratio` (of the moments about the centre of mass to the URDF's). Links on fixed
 /// joints count to the link that carries them.
-pub(super) fn parameters(robot: &Robot, tree: &Tree, all: &mut Vec<Parameter>) -> Vec<LinkParameters> {
+pub(super) fn parameters(
+    robot: &Robot,
+    tree: &MovingBodies,
+    all: &mut Vec<Parameter>,
+) -> Vec<LinkParameters> {
     let mut links = Vec::new();
     for (body, joint) in robot.moving_joints().enumerate() {
         let (mass_kg, com_m) = (tree.mass_kg(body), tree.com_m(body));
@@ -58,7 +62,7 @@ pub(super) fn parameters(robot: &Robot, tree: &Tree, all: &mut Vec<Parameter>) -
 
 impl LinkParameters {
     /// Puts the values into a tree.
-    pub fn apply(&self, values: &[f64], tree: &mut Tree) {
+    pub fn apply(&self, values: &[f64], tree: &mut MovingBodies) {
         let com = self.com.map_or(1.0, |at| values[at] / self.com_m);
         tree.scale(self.body, values[self.mass] / self.mass_kg, com, values[self.moment]);
     }

@@ -24,7 +24,6 @@ mod records;
 mod rub;
 mod simulate;
 mod stated;
-mod tree;
 
 pub use described::DrivenJoint;
 pub use file::RobotFile;

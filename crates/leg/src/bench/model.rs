@@ -6,8 +6,8 @@ use super::links::{self, LinkParameters};
 use super::observed::Observed;
 use super::simulate::{Course, JointTrace, Machine};
 use super::stated::with_embedded;
-use super::tree::Tree;
 use crate::LegError;
+use crate::dynamics::equations::MovingBodies;
 use crate::error::nearest;
 use crate::robot::{JointKind, Robot};
 use sealegs_actuator::bench::{Bench, BenchModel, Fed, command_times, search_step_without_springs};
@@ -42,7 +42,7 @@ pub struct RobotModel {
     pub(super) file: Arc<RobotFile>,
     pub(super) name: String,
     pub(super) robot: Arc<Robot>,
-    pub(super) tree: Tree,
+    pub(super) tree: MovingBodies,
     pub(super) joints: Vec<Joint>,
     /// The robot as its URDF and its drives' files have it, without the values and effects of its own file.
     pub(super) plain: Option<Arc<Self>>,
@@ -74,7 +74,7 @@ impl RobotModel {
         if robot.dofs == 0 {
             return Err(bad("joint".to_owned(), "none of them moves".to_owned()));
         }
-        let tree = Tree::of(&robot);
+        let tree = MovingBodies::of(&robot);
         let mut equations = tree.equations();
         tree.at(&vec![0.0; robot.dofs], &vec![0.0; robot.dofs], &mut equations);
         let names: Vec<String> = robot.moving_joints().map(|j| j.name.clone()).collect();
@@ -288,7 +288,7 @@ impl RobotModel {
     }
 
     /// The links with parameter values in place.
-    pub(super) fn tree_at(&self, values: &[f64]) -> Tree {
+    pub(super) fn tree_at(&self, values: &[f64]) -> MovingBodies {
         let mut tree = self.tree.clone();
         self.links.iter().for_each(|link| link.apply(values, &mut tree));
         tree

@@ -9,14 +9,14 @@
 
 use super::observed::Pulls;
 use super::rub::{Place, Rubbed};
-use super::tree::{Equations, Tree};
+use crate::dynamics::equations::{Equations, MovingBodies};
 use nalgebra::{DMatrix, DVector};
 use sealegs_actuator::plant::{Feed, Grid, Loop, Past, Plant, SpringStep};
 use sealegs_model::ModelError;
 
 /// A robot and its drives with their values in place.
 pub(super) struct Machine {
-    pub tree: Tree,
+    pub tree: MovingBodies,
     /// Joint by joint.
     pub drives: Vec<Plant>,
     /// Viscous damping of each joint itself, behind its drive's spring, N m s/rad.
@@ -172,7 +172,7 @@ impl State {
 
 /// How far the rotor of each joint is ahead of it where the robot rests in a posture, rad or m: 0 of one that moves with its
 /// joint.
-pub(super) fn ahead_at_rest(tree: &Tree, drives: &[Plant], posture: &[f64]) -> Vec<f64> {
+pub(super) fn ahead_at_rest(tree: &MovingBodies, drives: &[Plant], posture: &[f64]) -> Vec<f64> {
     if drives.iter().all(|drive| drive.rigid.is_some()) {
         return vec![0.0; drives.len()];
     }
@@ -187,7 +187,7 @@ pub(super) fn ahead_at_rest(tree: &Tree, drives: &[Plant], posture: &[f64]) -> V
 
 impl Machine {
     /// A robot with drives on its joints, and the viscous damping of the joints themselves.
-    pub fn new(tree: Tree, drives: Vec<Plant>, damping: Vec<f64>) -> Self {
+    pub fn new(tree: MovingBodies, drives: Vec<Plant>, damping: Vec<f64>) -> Self {
         let n = drives.len();
         let parted = |i: usize| drives[..i].iter().filter(|d| d.rigid.is_none()).count();
         let rotor: Vec<usize> =

@@ -5,6 +5,7 @@ pub mod contact;
 pub mod coupling;
 pub(crate) mod drive;
 pub(crate) mod engine;
+pub(crate) mod equations;
 mod stiff;
 pub mod stop;
 pub(crate) mod tree;

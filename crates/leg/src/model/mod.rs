@@ -17,7 +17,7 @@ use crate::effect::{self, EffectRef, LegSetting, Placed};
 use crate::error::nearest;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
-use crate::simulation::load_robot;
+use crate::simulation::{Mechanics, load_robot};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_model::{
@@ -128,7 +128,12 @@ impl LegModel {
         model.include_named()?;
         // What is wrong with a scenario beyond its text shows when it is put together.
         for case in model.cases.iter().filter(|c| !c.planned) {
-            crate::simulation::Simulation::with_effects(&case.scenario, case.robot.clone(), &[])?;
+            crate::simulation::Simulation::with_effects(
+                &case.scenario,
+                case.robot.clone(),
+                &[],
+                Mechanics::Equations,
+            )?;
         }
         Ok(model)
     }

@@ -7,7 +7,7 @@ use crate::dynamics::coupling::ActuatorInstant;
 use crate::effect::Placed;
 use crate::robot::Robot;
 use crate::scenario::{MOST_STEPS, Scenario};
-use crate::simulation::{EventLevel, Simulation};
+use crate::simulation::{EventLevel, Mechanics, Simulation};
 use sealegs_actuator::plant::{Grid, mean_per_step, sample};
 use sealegs_model::{ModelError, Prediction, Record, Signal, internal};
 
@@ -101,7 +101,8 @@ pub(super) fn predict(
         })
         .collect::<Result<_, _>>()?;
     let mut simulation =
-        Simulation::with_effects(scenario, case.robot.clone(), effects).map_err(model_error)?;
+        Simulation::with_effects(scenario, case.robot.clone(), effects, Mechanics::Equations)
+            .map_err(model_error)?;
     let step_s = scenario.step_s;
     let grid = grid(record, step_s)?;
     give_inputs(&mut simulation, case, record, &grid)?;

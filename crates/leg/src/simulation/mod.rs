@@ -26,6 +26,7 @@ use crate::dynamics::coupling::{
 };
 use crate::dynamics::drive::Servo;
 use crate::dynamics::engine::Engine;
+pub(crate) use crate::dynamics::engine::Mechanics;
 use crate::dynamics::stop::{StopLaw, Stops};
 use crate::dynamics::tree::Tree;
 use crate::effect::{self, Build, LegSetting, Placed};
@@ -89,7 +90,7 @@ impl Simulation {
         let seen = Excitation::default();
         let scenario = effect::with_effects_of_actuators(scenario, &robot)?;
         let effects = effect::of_scenario(&LegSetting { scenario: &scenario, robot: &robot, seen: &seen })?;
-        Self::with_effects(&scenario, robot, &effects)
+        Self::with_effects(&scenario, robot, &effects, Mechanics::Rapier)
     }
 
     /// As [`Simulation::with_robot`], with these effects in place of those that the scenario names.
@@ -97,6 +98,7 @@ impl Simulation {
         scenario: &Scenario,
         robot: Robot,
         effects: &[Placed],
+        mechanics: Mechanics,
     ) -> Result<Self, LegError> {
         let mut build = Build { scenario: scenario.clone(), robot, stops: Vec::new() };
         let before = (!effects.is_empty()).then(|| build.robot.clone());
@@ -106,7 +108,7 @@ impl Simulation {
         let known = before.filter(|known| known.links != robot.links);
         let scenario = &scenario;
         let Parts { leg, tree, engine, mut actuators, servos, contact, known_bodies, start_q, start_speed } =
-            Parts::new(scenario, robot, known)?;
+            Parts::new(scenario, robot, known, mechanics)?;
         let mut sensor_stages = Vec::new();
         for (actuator, model) in actuators.iter_mut().zip(&leg.actuators) {
             let mut made =
@@ -399,6 +401,12 @@ impl Simulation {
         (&mut self.actuators, self.gravity)
     }
 
+    /// For a benchmark: as [`Simulation::new`], with the bodies moved as in fits.
+    #[doc(hidden)]
+    pub fn as_in_fits(scenario: &Scenario) -> Result<Self, LegError> {
+        Self::with_effects(scenario, load_robot(scenario)?, &[], Mechanics::Equations)
+    }
+
     /// For a benchmark: a step of the engine alone, without any of our forces.
     #[doc(hidden)]
     pub fn bare_engine_step(&mut self) {
@@ -426,6 +434,33 @@ mod tests {
                 found.retain(|f| f != "armature");
             }
             assert!(found.is_empty(), "{name}: {found:?}");
+        }
+    }
+    /// Joint angles after a time, with a step.
+    fn angles(mechanics: Mechanics, scenario: &Scenario, step_s: f64, time_s: f64) -> Vec<f64> {
+        let scenario = Scenario { step_s, ..scenario.clone() };
+        let robot = load_robot(&scenario).expect("good");
+        let mut simulation =
+            Simulation::with_effects(&scenario, robot, &[], mechanics).expect("a simulation");
+        for _ in 0..(time_s / step_s).round() as usize {
+            simulation.advance(false).expect("runs");
+        }
+        simulation.engine.q.clone()
+    }
+
+    fn distance(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn converges_both_mechanics_move_a_leg_alike_and_nearer_with_the_step() {
+        for (name, time_s) in [("thor-swing", 0.4), ("saffir-swing", 0.4), ("thor-drop", 0.2)] {
+            let scenario = Scenario::load(name, &[]).expect("good");
+            let at = |mechanics, step_s| angles(mechanics, &scenario, step_s, time_s);
+            let apart = |step_s| distance(&at(Mechanics::Rapier, step_s), &at(Mechanics::Equations, step_s));
+            let (coarse, fine) = (apart(1e-4), apart(5e-5));
+            assert!(coarse < 1e-6, "{name}: {coarse:e} rad");
+            assert!(fine < 0.6 * coarse, "{name}: {coarse:e} and {fine:e} rad");
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::LegError;
 use crate::dynamics::contact::{Contact, SolePoint, sole_points};
 use crate::dynamics::coupling::{Actuator, place_sprung_mass};
 use crate::dynamics::drive::{Servo, ServoLaw};
-use crate::dynamics::engine::{Base, Engine};
+use crate::dynamics::engine::{Base, Engine, Mechanics};
 use crate::dynamics::tree::Tree;
 use crate::error::nearest;
 use crate::robot::{Drive, Inertial, LoadOptions, Robot};
@@ -43,7 +43,12 @@ pub(crate) fn load_robot(scenario: &Scenario) -> Result<Robot, LegError> {
 
 impl Parts {
     /// `known` is the robot as a controller knows it, where it differs.
-    pub fn new(scenario: &Scenario, robot: Robot, known: Option<Robot>) -> Result<Self, LegError> {
+    pub fn new(
+        scenario: &Scenario,
+        robot: Robot,
+        known: Option<Robot>,
+        mechanics: Mechanics,
+    ) -> Result<Self, LegError> {
         check_names(scenario, &robot)?;
         let mut robot = robot;
         let mut models = Vec::new();
@@ -101,7 +106,8 @@ impl Parts {
         };
         let world_from_base = Isometry3::from_parts(Translation3::new(0.0, 0.0, height), Default::default());
         let gravity = -scenario.gravity_m_s2;
-        let mut engine = Engine::new(&tree, base, &world_from_base, robot.dofs, gravity, scenario.step_s);
+        let mut engine =
+            Engine::new(mechanics, &tree, base, &world_from_base, robot.dofs, gravity, scenario.step_s);
         let rest = nalgebra::DVector::zeros(engine.coordinates());
         engine.set_state(&start_q, 0.0, &rest, &rest);
 

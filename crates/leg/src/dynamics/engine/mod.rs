@@ -1,23 +1,38 @@
-//! The rigid bodies in the physics engine, and nothing but rigid bodies: every force is ours.
+//! The rigid bodies in motion, and nothing but rigid bodies: every force is ours.
 //!
-//! Reduced coordinates (multibody joints) in f64, one solver iteration a step because the default four are
-//! substeps over which our forces would be held, no sleeping, no colliders, no continuous collision
-//! detection. The engine's joint damping is 0.1 by default and is set to zero, as are its motors, springs,
-//! limits and friction; its armature is zero except where the coupling of a linkage drive sets it.
+//! The physics engine moves them ([`Mechanics::Rapier`]), and where runs are simulated by the thousand their own equations
+//! of motion do ([`Mechanics::Equations`]), three times as fast. Both have the same coordinates, take the same forces, and
+//! come nearer to each other with the step: a test compares them.
 //!
 //! # Leapfrog
 //!
-//! The engine advances `v += a dt; x += v dt` with `a` from the pose before the step. Read as a leapfrog,
+//! A step advances `v += a dt; x += v dt` with `a` from the pose before the step. Read as a leapfrog,
 //! its velocity before step `n` belongs to the middle of the step before, `t_n - dt/2`, and the scheme is of
 //! second order if velocity-dependent forces are evaluated at `v + (v - v_prev)/2`: the twists of [`BodyState`] are
-//! those velocities, read from the engine's own body Jacobians because the bodies' velocities lag.
+//! those velocities. Rapier takes its Coriolis and gyroscopic forces at the end of the step, by first order.
 
-mod build;
+mod rapier;
+mod recursive;
 mod weight;
 
-use nalgebra::{DVector, Isometry3, Matrix3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use rapier3d_f64::math::{Pose, Rotation, Vector};
-use rapier3d_f64::prelude::*;
+use super::equations::MovingBodies;
+use super::tree::Tree;
+use crate::robot::Inertial;
+use nalgebra::{DVector, Isometry3, Matrix3, OMatrix, Point3, U6, Vector3};
+use rapier::Rapier;
+use recursive::Recursive;
+
+/// Six rows (velocity of the centre of mass, angular velocity), a column for each coordinate.
+type Jacobian = OMatrix<f64, U6, nalgebra::Dyn>;
+
+/// What moves the bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Mechanics {
+    /// The physics engine.
+    Rapier,
+    /// The equations of motion in the joints' coordinates.
+    Equations,
+}
 
 /// How the base is held.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,27 +73,43 @@ impl BodyState {
     }
 }
 
-/// The engine with one tree of bodies in it.
+/// Bodies that take forces and move by steps. Generalised vectors are in the order of their own coordinates.
+trait Bodies: Send + Sync {
+    /// Forgets all forces and torques.
+    fn clear_forces(&mut self);
+    /// Adds a force, N, at a world point, m.
+    fn add_force(&mut self, body: usize, force: &Vector3<f64>, point: &Point3<f64>);
+    /// Adds a torque, N m, world frame.
+    fn add_torque(&mut self, body: usize, torque: &Vector3<f64>);
+    /// Sets the inertia added to a coordinate.
+    fn set_armature(&mut self, column: usize, inertia: f64);
+    /// Moves the coordinates by a displacement and gives them a velocity.
+    fn displace(&mut self, displacement: &[f64], velocity: &DVector<f64>);
+    /// One step; `speed` is the velocity at the time of the poses.
+    fn step(&mut self, speed: &DVector<f64>);
+    /// Writes the velocity half a step before the poses.
+    fn velocity(&self, out: &mut DVector<f64>);
+    /// Index of the coordinate of the joint that carries a body.
+    fn column(&self, body: usize) -> usize;
+    /// Position of that joint, rad or m.
+    fn position(&self, body: usize) -> f64;
+    /// `world_from_body`.
+    fn pose(&self, body: usize) -> Isometry3<f64>;
+    /// How the coordinates move a body.
+    fn jacobian(&self, body: usize) -> &Jacobian;
+    /// Everything that would make forces of its own: damping, armature, friction, motors, springs, limits, colliders.
+    #[cfg(test)]
+    fn own_forces(&self) -> Vec<String>;
+}
+
+/// One tree of bodies in motion.
 pub(crate) struct Engine {
-    pipeline: PhysicsPipeline,
-    islands: IslandManager,
-    broad_phase: BroadPhaseBvh,
-    narrow_phase: NarrowPhase,
-    bodies: RigidBodySet,
-    colliders: ColliderSet,
-    impulse_joints: ImpulseJointSet,
-    multibody_joints: MultibodyJointSet,
-    soft_bodies: SoftBodySet,
-    ccd: CCDSolver,
-    parameters: IntegrationParameters,
-    gravity: Vector,
-    handles: Vec<RigidBodyHandle>,
-    /// Index of each body in the multibody.
-    link_ids: Vec<usize>,
-    multibody: MultibodyIndex,
+    bodies: Box<dyn Bodies>,
     mass_kg: Vec<f64>,
     inertia: Vec<Matrix3<f64>>,
     com: Vec<Point3<f64>>,
+    /// Gravitational acceleration along z, m/s^2.
+    gravity: f64,
     /// Index in the generalised vectors of each joint of the robot by its degree of freedom.
     columns: Vec<usize>,
     /// Joint positions in the robot's order.
@@ -92,37 +123,77 @@ pub(crate) struct Engine {
     /// Poses and extrapolated velocities.
     pub states: Vec<BodyState>,
     rail: bool,
-    /// Body, degree of freedom and axis of each joint.
-    child_joints: Vec<(usize, usize, Vector3<f64>)>,
+    /// Body and degree of freedom of each joint.
+    child_joints: Vec<(usize, usize)>,
     /// Axis of the joint that carries each body, in its frame.
     axes: Vec<Vector3<f64>>,
 }
 
 impl Engine {
-    fn run_pipeline(&mut self) {
-        self.pipeline.step(
-            self.gravity,
-            &self.parameters,
-            &mut self.islands,
-            &mut self.broad_phase,
-            &mut self.narrow_phase,
-            &mut self.bodies,
-            &mut self.colliders,
-            &mut self.impulse_joints,
-            &mut self.multibody_joints,
-            &mut self.soft_bodies,
-            &mut self.ccd,
-            &(),
-            &(),
-        );
-    }
-
-    fn multibody(&self) -> &Multibody {
-        self.multibody_joints.get_multibody(self.multibody).expect("it is never removed")
-    }
-
-    fn multibody_mut(&mut self) -> &mut Multibody {
-        self.multibody_joints.get_multibody_mut_internal(self.multibody).expect("it is never removed")
+    /// Builds the tree with the base's frame at `world_from_base`, all joints at zero and at rest. `gravity` is the
+    /// acceleration along z, m/s^2.
+    pub fn new(
+        mechanics: Mechanics,
+        tree: &Tree,
+        base: Base,
+        world_from_base: &Isometry3<f64>,
+        dofs: usize,
+        gravity: f64,
+        step_s: f64,
+    ) -> Self {
+        let rail = matches!(base, Base::Rail { .. });
+        let mut inertials: Vec<Option<Inertial>> = tree.bodies.iter().map(|b| b.inertial.clone()).collect();
+        if let Base::Rail { carriage_mass_kg } = base {
+            let own = inertials[0].take();
+            let own =
+                own.unwrap_or(Inertial { mass_kg: 0.0, com: Point3::origin(), inertia: Matrix3::zeros() });
+            // On a rail only the mass of the base counts; its inertia keeps Rapier's matrices regular.
+            let inertia = own.inertia + Matrix3::identity();
+            inertials[0] = Some(Inertial { mass_kg: own.mass_kg + carriage_mass_kg, com: own.com, inertia });
+        }
+        let (bodies, n): (Box<dyn Bodies>, usize) = match mechanics {
+            Mechanics::Rapier => {
+                let rapier = Rapier::new(tree, &mut inertials, rail, world_from_base, gravity, step_s);
+                let n = rapier.coordinates();
+                (Box::new(rapier), n)
+            }
+            Mechanics::Equations => {
+                let on_rail = inertials[0].as_ref().filter(|_| rail);
+                let moving = MovingBodies::new(tree, on_rail, world_from_base, -gravity);
+                let n = moving.len();
+                (Box::new(Recursive::new(moving, rail, world_from_base, step_s)), n)
+            }
+        };
+        let of = |f: &dyn Fn(&Inertial) -> f64| inertials.iter().map(|i| i.as_ref().map_or(0.0, f)).collect();
+        let still = BodyState { pose: Isometry3::identity(), com: Point3::origin(), twist: Twist::default() };
+        let joints = tree.bodies.iter().enumerate();
+        let child_joints: Vec<(usize, usize)> =
+            joints.filter_map(|(i, b)| b.joint.as_ref().map(|j| (i, j.dof))).collect();
+        let mut columns = vec![0; dofs];
+        for &(body, dof) in &child_joints {
+            columns[dof] = bodies.column(body);
+        }
+        let mut engine = Self {
+            bodies,
+            mass_kg: of(&|i| i.mass_kg),
+            inertia: inertials
+                .iter()
+                .map(|i| i.as_ref().map_or_else(Matrix3::zeros, |i| i.inertia))
+                .collect(),
+            com: inertials.iter().map(|i| i.as_ref().map_or_else(Point3::origin, |i| i.com)).collect(),
+            gravity,
+            columns,
+            q: vec![0.0; dofs],
+            rail_m: 0.0,
+            previous: DVector::zeros(n),
+            current: DVector::zeros(n),
+            states: vec![still; tree.bodies.len()],
+            rail,
+            axes: tree.bodies.iter().map(|b| b.joint.as_ref().map_or(Vector3::x(), |j| *j.axis)).collect(),
+            child_joints,
+        };
+        engine.read_state();
+        engine
     }
 
     /// Number of generalised coordinates: the joints and the rail.
@@ -150,12 +221,7 @@ impl Engine {
         for (dof, &column) in self.columns.iter().enumerate() {
             displacement[column] = q[dof] - self.q[dof];
         }
-        let Self { multibody_joints, bodies, multibody, .. } = self;
-        let multibody = multibody_joints.get_multibody_mut_internal(*multibody).expect("it is never removed");
-        multibody.apply_displacements(&displacement);
-        multibody.generalized_velocity_mut().copy_from(now);
-        multibody.forward_kinematics(bodies, false);
-        multibody.update_rigid_bodies(bodies, true);
+        self.bodies.displace(&displacement, now);
         self.q.copy_from_slice(q);
         self.read_state();
         self.previous.copy_from(before);
@@ -164,27 +230,22 @@ impl Engine {
 
     /// Sets the inertia added to a joint, kg m^2.
     pub fn set_armature(&mut self, dof: usize, inertia: f64) {
-        let column = self.columns[dof];
-        self.multibody_mut().armature_mut()[column] = inertia;
+        self.bodies.set_armature(self.columns[dof], inertia);
     }
 
-    /// Forgets all forces and torques: they persist in the engine, and a force at a point leaves a torque.
+    /// Forgets all forces and torques.
     pub fn clear_forces(&mut self) {
-        for handle in &self.handles {
-            let body = &mut self.bodies[*handle];
-            body.reset_forces(false);
-            body.reset_torques(false);
-        }
+        self.bodies.clear_forces();
     }
 
     /// Adds a force, N, at a world point, m.
     pub fn add_force(&mut self, body: usize, force: &Vector3<f64>, point: &Point3<f64>) {
-        self.bodies[self.handles[body]].add_force_at_point(to_vector(force), to_vector(&point.coords), false);
+        self.bodies.add_force(body, force, point);
     }
 
     /// Adds a torque, N m, world frame.
     pub fn add_torque(&mut self, body: usize, torque: &Vector3<f64>) {
-        self.bodies[self.handles[body]].add_torque(to_vector(torque), false);
+        self.bodies.add_torque(body, torque);
     }
 
     /// Adds the effort of a joint, N m about or N along its axis: on the body, and back on its parent.
@@ -202,35 +263,29 @@ impl Engine {
 
     /// One step with the forces that were added.
     pub fn step(&mut self) {
-        self.run_pipeline();
+        let speed = &self.current * 1.5 - &self.previous * 0.5;
+        self.bodies.step(&speed);
         std::mem::swap(&mut self.previous, &mut self.current);
         self.read_state();
     }
 
-    /// A step of the engine and nothing else, for a benchmark.
+    /// A step of the bodies and nothing else, for a benchmark.
     pub fn step_bare(&mut self) {
-        self.run_pipeline();
+        self.bodies.step(&self.current);
     }
 
-    /// Takes poses and velocities from the engine.
+    /// Takes positions, poses and velocities from the bodies.
     fn read_state(&mut self) {
-        let Self { multibody_joints, multibody, .. } = self;
-        let multibody = multibody_joints.get_multibody(*multibody).expect("it is never removed");
-        self.current.copy_from(&multibody.generalized_velocity());
-        for &(body, dof, _) in &self.child_joints {
-            let link = multibody.link(self.link_ids[body]).expect("it was built");
-            let coords = link.joint().coords();
-            let locked = link.joint().data.locked_axes;
-            self.q[dof] = if locked.contains(JointAxesMask::LIN_X) { coords[3] } else { coords[0] };
+        self.bodies.velocity(&mut self.current);
+        for &(body, dof) in &self.child_joints {
+            self.q[dof] = self.bodies.position(body);
         }
         if self.rail {
-            self.rail_m = multibody.link(self.link_ids[0]).expect("it was built").joint().coords()[0];
+            self.rail_m = self.bodies.position(0);
         }
-        for i in 0..self.states.len() {
-            let link = multibody.link(self.link_ids[i]).expect("it was built");
-            let pose = from_pose(link.local_to_world());
-            self.states[i].com = pose * self.com[i];
-            self.states[i].pose = pose;
+        for (i, state) in self.states.iter_mut().enumerate() {
+            state.pose = self.bodies.pose(i);
+            state.com = state.pose * self.com[i];
         }
         self.read_twists();
     }
@@ -238,9 +293,8 @@ impl Engine {
     /// Velocities at `v + (v - v_prev)/2`.
     fn read_twists(&mut self) {
         let extrapolated = |i: usize| 1.5 * self.current[i] - 0.5 * self.previous[i];
-        let multibody = self.multibody_joints.get_multibody(self.multibody).expect("it is never removed");
-        for (state, &id) in self.states.iter_mut().zip(&self.link_ids) {
-            let j = multibody.body_jacobian(id);
+        for (i, state) in self.states.iter_mut().enumerate() {
+            let j = self.bodies.jacobian(i);
             let mut twist = [0.0; 6];
             for column in 0..j.ncols() {
                 let v = extrapolated(column);
@@ -266,9 +320,9 @@ impl Engine {
         &self.current
     }
 
-    /// The engine's Jacobian of a body: six rows (velocity of the centre of mass, angular velocity).
-    pub fn jacobian(&self, body: usize) -> &rapier3d_f64::math::Jacobian<f64> {
-        self.multibody().body_jacobian(self.link_ids[body])
+    /// The Jacobian of a body: six rows (velocity of the centre of mass, angular velocity).
+    pub fn jacobian(&self, body: usize) -> &Jacobian {
+        self.bodies.jacobian(body)
     }
 
     /// The gradient with respect to the generalised coordinates of a length that a unit force along
@@ -311,55 +365,9 @@ impl Engine {
         self.states[body].pose * self.axes[body]
     }
 
-    /// Everything in the engine that would make forces of its own, for a test: damping, armature, friction,
-    /// motors, springs, limits, colliders.
+    /// Everything in the engine that would make forces of its own.
     #[cfg(test)]
     pub fn own_forces(&self) -> Vec<String> {
-        let multibody = self.multibody();
-        let mut found = Vec::new();
-        for (name, values) in [
-            ("damping", multibody.damping()),
-            ("armature", multibody.armature()),
-            ("friction", multibody.frictions()),
-        ] {
-            if values.amax() != 0.0 {
-                found.push(name.to_owned());
-            }
-        }
-        for link in multibody.links() {
-            let data = &link.joint().data;
-            if !data.motor_axes.is_empty() || !data.limit_axes.is_empty() {
-                found.push("motor or limit".to_owned());
-            }
-            if (0..6).any(|axis| link.joint().spring(axis).0 != 0.0) {
-                found.push("spring".to_owned());
-            }
-        }
-        for (_, body) in self.bodies.iter() {
-            if body.linear_damping() != 0.0 || body.angular_damping() != 0.0 {
-                found.push("body damping".to_owned());
-            }
-        }
-        if !self.colliders.is_empty() {
-            found.push("collider".to_owned());
-        }
-        found
+        self.bodies.own_forces()
     }
-}
-
-fn to_vector(v: &Vector3<f64>) -> Vector {
-    Vector::new(v.x, v.y, v.z)
-}
-
-fn to_pose(pose: &Isometry3<f64>) -> Pose {
-    let q = pose.rotation.coords;
-    Pose::from_parts(to_vector(&pose.translation.vector), Rotation::from_xyzw(q.x, q.y, q.z, q.w))
-}
-
-fn from_pose(pose: &Pose) -> Isometry3<f64> {
-    let (t, q) = (pose.translation, pose.rotation);
-    Isometry3::from_parts(
-        Translation3::new(t.x, t.y, t.z),
-        UnitQuaternion::new_unchecked(Quaternion::new(q.w, q.x, q.y, q.z)),
-    )
 }

@@ -40,12 +40,12 @@ impl Engine {
 
     /// Potential energy of the bodies, zero at world height 0, J.
     pub fn potential_energy(&self) -> f64 {
-        self.states.iter().zip(&self.mass_kg).map(|(s, m)| -m * self.gravity.z * s.com.z).sum()
+        self.states.iter().zip(&self.mass_kg).map(|(s, m)| -m * self.gravity * s.com.z).sum()
     }
 
     /// Weight of all bodies, N.
     pub fn weight(&self) -> f64 {
-        self.mass_kg.iter().sum::<f64>() * self.gravity.z.abs()
+        self.mass_kg.iter().sum::<f64>() * self.gravity.abs()
     }
 
     /// Generalised force of gravity at the present poses, in the engine's order.
@@ -54,7 +54,7 @@ impl Engine {
         for i in 0..self.states.len() {
             let j = self.jacobian(i);
             for column in 0..j.ncols() {
-                forces[column] += j[(2, column)] * self.mass_kg[i] * self.gravity.z;
+                forces[column] += j[(2, column)] * self.mass_kg[i] * self.gravity;
             }
         }
         forces
@@ -69,7 +69,7 @@ impl Engine {
             let j = self.jacobian(i);
             for column in 0..j.ncols() {
                 let rising = j[(2, column)] + j[(3, column)] * arm.y - j[(4, column)] * arm.x;
-                forces[column] += rising * inertial.mass_kg * self.gravity.z;
+                forces[column] += rising * inertial.mass_kg * self.gravity;
             }
         }
         forces

@@ -1,12 +1,13 @@
-//! A robot on a fixed base in its joints' coordinates: mass matrix and bias forces.
+//! A tree of bodies in its joints' coordinates: poses, Jacobians, mass matrix and bias forces.
 //!
-//! Where a bench has no contact and no closed loop the joints' coordinates are all there is, and a search that simulates
-//! thousands of runs needs nothing more. Links on fixed joints are part of the body that carries them.
+//! Where no loop is closed the joints' coordinates are all there is, and a search that simulates thousands of runs needs
+//! nothing more.
 
-use crate::robot::{Inertial, JointKind, Robot};
+use super::tree::Tree;
+use crate::robot::{Inertial, Robot};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 
-/// Gravitational acceleration along -z of the base, m/s^2.
+/// Standard gravity as the benches have it, m/s^2.
 const GRAVITY_M_S2: f64 = 9.81;
 
 /// A body that one joint moves.
@@ -25,22 +26,32 @@ struct Body {
     inertia: Matrix3<f64>,
 }
 
-/// The bodies of a robot, parents first; body `i` moves by degree of freedom `i`.
+/// The moving bodies of a robot, parents first: body `i` moves by coordinate `i`.
 #[derive(Debug, Clone)]
-pub(super) struct Tree {
+pub(crate) struct MovingBodies {
     bodies: Vec<Body>,
+    /// `world_from_base`, of the base or of where the rail's carriage was built.
+    base: Isometry3<f64>,
+    /// Gravitational acceleration along -z of the world, m/s^2.
+    gravity: f64,
 }
 
 /// What the equations of motion are at a state: `mass q'' = force - bias`.
 #[derive(Debug, Clone)]
-pub(super) struct Equations {
+pub(crate) struct Equations {
     /// Mass matrix, kg m^2 (kg for a sliding joint).
     pub mass: DMatrix<f64>,
     /// Gravity, Coriolis and centrifugal torques, N m (N).
     pub bias: Vec<f64>,
     /// World quantities of every body, kept between calls.
     at: Vec<At>,
+    /// Coordinates that move a body, from its own to the base's, with the velocity of its centre of mass and its turning per
+    /// unit of their speeds, world frame.
+    columns: Vec<Vec<Column>>,
 }
+
+/// A coordinate with the velocity of a centre of mass and the turning per unit of its speed.
+pub(crate) type Column = (usize, Vector3<f64>, Vector3<f64>);
 
 /// A body in the world.
 #[derive(Debug, Clone, Default)]
@@ -58,45 +69,40 @@ struct At {
     torque: Vector3<f64>,
 }
 
-impl Tree {
-    /// The moving bodies of a robot on a fixed base. Mass that hangs on the base by fixed joints does not move.
+impl MovingBodies {
+    /// The moving bodies of a robot on a fixed base at the world's origin. Mass that hangs on the base by fixed joints does not
+    /// move; links on fixed joints are part of the body that carries them.
     pub fn of(robot: &Robot) -> Self {
-        let mut bodies: Vec<Body> = Vec::with_capacity(robot.dofs);
-        // Which body carries a link, and where it is on it.
-        let mut carried: Vec<(Option<usize>, Isometry3<f64>)> =
-            vec![(None, Isometry3::identity()); robot.links.len()];
-        for joint in &robot.joints {
-            let (carrier, from_parent) = carried[joint.parent];
-            let origin = from_parent * joint.origin;
-            if joint.kind == JointKind::Fixed {
-                carried[joint.child] = (carrier, origin);
-                continue;
-            }
-            carried[joint.child] = (Some(bodies.len()), Isometry3::identity());
-            bodies.push(Body {
-                parent: carrier,
-                origin,
-                axis: joint.axis,
-                slides: joint.kind == JointKind::Prismatic,
-                mass_kg: 0.0,
-                com: Vector3::zeros(),
-                inertia: Matrix3::zeros(),
-            });
-        }
-        for (link, (carrier, from_link)) in robot.links.iter().zip(&carried) {
-            let (Some(inertial), Some(body)) = (&link.inertial, carrier.map(|i| &mut bodies[i])) else {
-                continue;
-            };
-            let turn = from_link.rotation.to_rotation_matrix();
-            let com = (from_link * inertial.com).coords;
-            body.add(inertial.mass_kg, com, turn * inertial.inertia * turn.transpose());
-        }
-        Self { bodies }
+        Self::new(&Tree::new(robot), None, &Isometry3::identity(), GRAVITY_M_S2)
+    }
+
+    /// The bodies of a tree that its joints move, with its base at `world_from_base`. On a rail, whose vertical position is
+    /// the first coordinate then, the base has the mass properties `on_rail`; else it does not move.
+    pub fn new(
+        tree: &Tree,
+        on_rail: Option<&Inertial>,
+        world_from_base: &Isometry3<f64>,
+        gravity: f64,
+    ) -> Self {
+        let upright = Unit::new_unchecked(world_from_base.rotation.inverse() * Vector3::z());
+        let carriage = on_rail.map(|base| Body::new(None, Isometry3::identity(), upright, true, Some(base)));
+        let rail = usize::from(carriage.is_some());
+        let joints = tree.bodies.iter().filter_map(|body| Some((body.joint.as_ref()?, body)));
+        let moving = joints.map(|(joint, body)| {
+            let parent = (joint.parent + rail).checked_sub(1);
+            Body::new(parent, joint.origin, joint.axis, joint.slides, body.inertial.as_ref())
+        });
+        Self { bodies: carriage.into_iter().chain(moving).collect(), base: *world_from_base, gravity }
     }
 
     /// Mass of body `i`, kg.
     pub fn mass_kg(&self, i: usize) -> f64 {
         self.bodies[i].mass_kg
+    }
+
+    /// Number of coordinates.
+    pub fn len(&self) -> usize {
+        self.bodies.len()
     }
 
     /// Distance of the centre of mass of body `i` from its joint's point, m.
@@ -121,57 +127,28 @@ impl Tree {
     /// Room for the equations.
     pub fn equations(&self) -> Equations {
         let n = self.bodies.len();
-        Equations { mass: DMatrix::zeros(n, n), bias: vec![0.0; n], at: vec![At::default(); n] }
+        let columns = (0..n).map(|k| {
+            let way = std::iter::successors(Some(k), |&i| self.bodies[i].parent);
+            way.map(|i| (i, Vector3::zeros(), Vector3::zeros())).collect()
+        });
+        Equations {
+            mass: DMatrix::zeros(n, n),
+            bias: vec![0.0; n],
+            at: vec![At::default(); n],
+            columns: columns.collect(),
+        }
     }
 
     /// Writes the equations of motion at joint positions `q` and speeds `v`.
     pub fn at(&self, q: &[f64], v: &[f64], out: &mut Equations) {
-        self.move_bodies(q, v, &mut out.at);
-        let n = self.bodies.len();
-        out.mass.fill(0.0);
-        out.bias.fill(0.0);
-        for k in 0..n {
-            // Every pair of joints on the way from body k to the base moves it.
-            let mut i = Some(k);
-            while let Some(joint) = i {
-                let (linear, turning) = self.column(joint, k, &out.at);
-                let at = &out.at[k];
-                out.bias[joint] += linear.dot(&at.force) + turning.dot(&at.torque);
-                let momentum = (linear * self.bodies[k].mass_kg, at.inertia * turning);
-                let mut j = Some(joint);
-                while let Some(other) = j {
-                    let (linear, turning) = self.column(other, k, &out.at);
-                    let m = linear.dot(&momentum.0) + turning.dot(&momentum.1);
-                    out.mass[(joint, other)] += m;
-                    if other != joint {
-                        out.mass[(other, joint)] += m;
-                    }
-                    j = self.bodies[other].parent;
-                }
-                i = self.bodies[joint].parent;
-            }
-        }
+        self.place(q, out);
+        self.set_in_motion(v, out);
     }
 
-    /// Velocity of the centre of mass of body `k` and its turning per speed of a joint on its way to the base.
-    fn column(&self, joint: usize, k: usize, at: &[At]) -> (Vector3<f64>, Vector3<f64>) {
-        let axis = at[joint].axis;
-        if self.bodies[joint].slides {
-            (axis, Vector3::zeros())
-        } else {
-            (axis.cross(&(at[k].com - at[joint].joint)), axis)
-        }
-    }
-
-    /// Poses, velocities and the accelerations that remain with the joints' own taken as zero: the outward half of the
-    /// recursive Newton-Euler algorithm (R. Featherstone 2008, Rigid Body Dynamics Algorithms, section 5.3).
-    fn move_bodies(&self, q: &[f64], v: &[f64], at: &mut [At]) {
+    /// Writes where the bodies are and how each coordinate moves them.
+    pub fn place(&self, q: &[f64], out: &mut Equations) {
         for i in 0..self.bodies.len() {
             let body = &self.bodies[i];
-            let base = At { acceleration: Vector3::z() * GRAVITY_M_S2, ..At::default() };
-            let (done, rest) = at.split_at_mut(i);
-            let parent = body.parent.map_or(&base, |p| &done[p]);
-            let here = &mut rest[0];
             let moved = if body.slides {
                 Isometry3::from_parts(
                     Translation3::from(body.axis.into_inner() * q[i]),
@@ -183,12 +160,61 @@ impl Tree {
                     UnitQuaternion::from_axis_angle(&body.axis, q[i]),
                 )
             };
-            here.pose = parent.pose * body.origin * moved;
+            let parent = body.parent.map_or(self.base, |p| out.at[p].pose);
+            let here = &mut out.at[i];
+            here.pose = parent * body.origin * moved;
             here.axis = here.pose.rotation * body.axis.into_inner();
             here.joint = here.pose.translation.vector;
             let turn = here.pose.rotation.to_rotation_matrix();
             here.com = here.joint + turn * body.com;
             here.inertia = turn * body.inertia * turn.transpose();
+        }
+        for (columns, own) in out.columns.iter_mut().zip(&out.at) {
+            for (joint, linear, turning) in columns {
+                let at = &out.at[*joint];
+                (*linear, *turning) = if self.bodies[*joint].slides {
+                    (at.axis, Vector3::zeros())
+                } else {
+                    (at.axis.cross(&(own.com - at.joint)), at.axis)
+                };
+            }
+        }
+    }
+
+    /// Writes the equations of motion of bodies that were placed, at speeds `v`.
+    pub fn set_in_motion(&self, v: &[f64], out: &mut Equations) {
+        self.accelerate(v, &mut out.at);
+        out.mass.fill(0.0);
+        out.bias.fill(0.0);
+        for (k, columns) in out.columns.iter().enumerate() {
+            let (at, mass_kg) = (&out.at[k], self.bodies[k].mass_kg);
+            // Every pair of joints on the way from body k to the base moves it.
+            for (i, (joint, linear, turning)) in columns.iter().enumerate() {
+                out.bias[*joint] += linear.dot(&at.force) + turning.dot(&at.torque);
+                let momentum = (linear * mass_kg, at.inertia * turning);
+                for (other, linear, turning) in &columns[i..] {
+                    let m = linear.dot(&momentum.0) + turning.dot(&momentum.1);
+                    out.mass[(*joint, *other)] += m;
+                    if other != joint {
+                        out.mass[(*other, *joint)] += m;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Velocities and the accelerations that remain with the joints' own taken as zero: the outward half of the recursive
+    /// Newton-Euler algorithm (R. Featherstone 2008, Rigid Body Dynamics Algorithms, section 5.3).
+    fn accelerate(&self, v: &[f64], at: &mut [At]) {
+        let base = At {
+            joint: self.base.translation.vector,
+            acceleration: Vector3::z() * self.gravity,
+            ..At::default()
+        };
+        for (i, body) in self.bodies.iter().enumerate() {
+            let (done, rest) = at.split_at_mut(i);
+            let parent = body.parent.map_or(&base, |p| &done[p]);
+            let here = &mut rest[0];
             let along = here.axis * v[i];
             let arm = here.joint - parent.joint;
             let w = parent.turning;
@@ -210,19 +236,40 @@ impl Tree {
     }
 }
 
+impl Equations {
+    /// `world_from_body`.
+    pub fn pose(&self, body: usize) -> &Isometry3<f64> {
+        &self.at[body].pose
+    }
+
+    /// Centre of mass of a body, world, m.
+    pub fn com(&self, body: usize) -> &Vector3<f64> {
+        &self.at[body].com
+    }
+
+    /// The coordinates that move a body, and how.
+    pub fn columns(&self, body: usize) -> &[Column] {
+        &self.columns[body]
+    }
+}
+
 impl Body {
-    /// Adds a rigidly attached part with its inertia about its own centre of mass.
-    fn add(&mut self, mass_kg: f64, com: Vector3<f64>, inertia: Matrix3<f64>) {
-        let total = self.mass_kg + mass_kg;
-        if total <= 0.0 {
-            return;
+    fn new(
+        parent: Option<usize>,
+        origin: Isometry3<f64>,
+        axis: Unit<Vector3<f64>>,
+        slides: bool,
+        inertial: Option<&Inertial>,
+    ) -> Self {
+        Self {
+            parent,
+            origin,
+            axis,
+            slides,
+            mass_kg: inertial.map_or(0.0, |i| i.mass_kg),
+            com: inertial.map_or_else(Vector3::zeros, |i| i.com.coords),
+            inertia: inertial.map_or_else(Matrix3::zeros, |i| i.inertia),
         }
-        let d = com - self.com;
-        // The two-body form of the parallel axis theorem: reduced mass times squared distance.
-        let reduced = self.mass_kg * mass_kg / total;
-        self.inertia += inertia + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * reduced;
-        self.com += d * (mass_kg / total);
-        self.mass_kg = total;
     }
 }
 
@@ -248,7 +295,7 @@ mod tests {
 
     #[test]
     fn analytic_double_pendulum() {
-        let tree = Tree::of(&Robot::from_urdf(URDF, "two.urdf", None).expect("good"));
+        let tree = MovingBodies::of(&Robot::from_urdf(URDF, "two.urdf", None).expect("good"));
         let (m1, r1, i1, l1) = (0.608, 0.275, 0.0087, 0.3);
         let (m2, r2) = (0.63, (0.43 * 0.1 + 0.2 * 0.21) / 0.63);
         let i2 = 0.0075 + 0.0002 + 0.43 * (r2 - 0.1_f64).powi(2) + 0.2 * (0.21_f64 - r2).powi(2);
@@ -284,7 +331,7 @@ mod tests {
         let urdf = URDF
             .replace(r#"<joint name="elbow" type="continuous">"#, r#"<joint name="elbow" type="prismatic">"#)
             .replace(r#"<origin xyz="0 0 -0.3"/><axis xyz="0 -1 0"/>"#, r#"<origin xyz="0.1 0.2 -0.3" rpy="0.3 0.2 0.5"/><axis xyz="0.6 0 0.8"/><limit lower="-9" upper="9" effort="1" velocity="1"/>"#);
-        let tree = Tree::of(&Robot::from_urdf(&urdf, "rail.urdf", None).expect("good"));
+        let tree = MovingBodies::of(&Robot::from_urdf(&urdf, "rail.urdf", None).expect("good"));
         let mut out = tree.equations();
         // The bias has the power that the mass matrix's change asks for: d/dt (v' M v / 2) = v' (M a + ...) whatever a.
         let (q, v) = ([0.7, 0.2], [1.3, -0.9]);
