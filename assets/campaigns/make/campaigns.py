@@ -103,6 +103,22 @@ VALIDATION = {
     "v16": leg(116, DROPS, {"hip_pitch/direction-dependent-friction": {"force_n": 80.0, "asymmetry": 0.5}}, 4.0),
     "v17": leg(117, swings(1.1), {"knee/coulomb-friction": {"force_n": 40.0}, "ankle_outer/backlash": {"gap_m": 4.0e-4}},
                2.0, 2e-6),
+    # From here on: chosen after the search was built, and looked at by its judge alone.
+    "v18": leg(118, DROPS, {"knee/stribeck-friction": {"coulomb_n": 50.0, "static_n": 110.0, "stribeck_velocity_m_s": 0.01}}, 4.0),
+    "v19": leg(119, swings(1.1), {"hip_back/presliding-friction": {"force_n": 60.0, "stiffness_n_m": 2e6}}, 2.0),
+    "v20": leg(120, swings(1.1), {"knee/quadratic-drag": {"coefficient_n_s2_m2": 4e4}}, 2.0),
+    "v21": leg(121, DROPS, {"ankle_outer/hardening-spring": {"cubic_n_m3": 9e9}}, 4.0),
+    "v22": leg(122, DROPS, {"knee/spring-damping": {"damping_n_s_m": 400.0}}, 4.0),
+    "v23": leg(123, swings(1.1), {"ankle_inner/transport-delay": {"delay_s": 0.003}}, 2.0),
+    "v24": leg(124, DROPS, {"hip_back/load-dependent-friction": {"coefficient": 0.08}}, 4.0),
+    "v25": leg(125, swings(1.1), {"thigh/link-mass": {"mass_kg": 0.8, "at_m": [0.0, 0.0, -0.15]}}, 2.0),
+    "v26": leg(126, swings(1.1), {"hip_front/torque-ripple": {"amplitude_n": 50.0, "cycles_per_rev": 2.0, "phase_rad": 0.3}}, 2.0),
+    "v27": leg(127, DROPS, {"knee/coulomb-friction": {"force_n": 100.0},
+                            "foot/contact-compliance": {"stiffness_n_m_n": 1.5e6, "damping_s_m": 0.7}}, 4.0),
+    "v28": leg(128, swings(1.1), {}, 2.0),
+    "v29": leg(129, SLIDING, {}, 4.0),
+    "v30": leg(130, swings(1.1), {"hip_pitch/transport-delay": {"delay_s": 0.004},
+                                  "knee/load-dependent-friction": {"coefficient": 0.08}}, 2.0),
 }
 
 PEER = {
