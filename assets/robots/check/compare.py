@@ -2,7 +2,7 @@
 
     pip install pin==4.1.0 example-robot-data==6.0.0
     cargo build --release -p sealegs-cli -p sealegs-leg --bins --examples
-    python assets/robots/check/compare.py target/release FOLDER -o table.md
+    python assets/robots/check/compare.py target/release FOLDER -o assets/robots/check/table.md
 
 FOLDER is searched for `*.urdf`; without it, it is the one of the wheel `example-robot-data`. For each file
 
@@ -18,6 +18,7 @@ the mended bodies in the places of those alone. A body counts as mended only whe
 """
 
 import argparse
+import datetime
 import json
 import pathlib
 import re
@@ -133,8 +134,13 @@ def main():
             mended = f"{len(links)}" if links else ""
         rows.append(f"| {name} | {'yes' if held else 'NO'}: {words.replace(str(urdf), name)} | {plain} | {mended} | {patched} |")
         print(f"{number}/{len(files)} {rows[-1]}", file=sys.stderr, flush=True)
+    version = run(arguments.binaries / "sealegs", "--version").stdout.strip()
     table = "\n".join(
         [
+            "# Other people's robots",
+            "",
+            f"Made by `compare.py` with {version} on {datetime.date.today()}.",
+            "",
             f"{counts['falls']} of {len(files)} fall for {DURATION_S} s; of the {counts['compared']} that both load, "
             f"{counts['as read']} agree with Pinocchio {pin.__version__} within 1e-9 as the file stands and "
             f"{counts['agrees']} with the mended bodies in both.",

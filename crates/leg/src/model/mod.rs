@@ -27,9 +27,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The step of integration with which records are compared, s, where the scenarios' periods are multiples of it and
-/// their own step is finer. Against another simulator at 20 us, drops from 0.1 m and swings of the THOR leg are within
-/// 0.037 of a sensor's noise (root mean square of the worst channel); at 200 us they were within 0.22 and 0.017 rad of a rotor
-/// angle. A search takes a quarter of a sampling period.
+/// their own step is finer. Against another simulator at 20 us, a nominal drop of the THOR leg is within 0.037 of a
+/// sensor's noise (root mean square of the worst channel), and one whose sole slides within about half of it
+/// (`crates/reference/tests/legs.rs`); at 200 us a nominal drop was within 0.22. A search takes a quarter of a sampling period.
 pub const COMPARISON_STEP_S: f64 = 1e-4;
 
 /// The longest step that a search takes, s: in a drop the foot's contact is stiff.
