@@ -71,8 +71,8 @@ pub struct LegModel {
     step_s: Option<f64>,
     /// Steps per sampling period where less exactness will do, see [`Model::coarser`].
     steps_per_sample: Option<f64>,
-    /// Whether the step is half of what it would be, see [`Model::finer`].
-    halved: bool,
+    /// How often the step is halved, see [`Model::finer`].
+    halvings: i32,
     /// Measured motions to follow, see [`Model::observing`].
     observed: Option<Arc<observed::Observed>>,
     /// How many parameters behind the base model's are zeros of the joints' encoders: none but under an observer.
@@ -121,7 +121,7 @@ impl LegModel {
             own,
             step_s: None,
             steps_per_sample: None,
-            halved: false,
+            halvings: 0,
             observed: None,
             encoder_zeros: 0,
         };
@@ -361,9 +361,7 @@ impl Model for LegModel {
             (None, Some(steps)) => coarser_step(&scenario, record.mean_period_s() / steps),
             (None, None) => comparison_step(&scenario),
         };
-        if self.halved {
-            scenario.step_s *= 0.5;
-        }
+        scenario.step_s *= 0.5_f64.powi(self.halvings);
         let effects = self.placed(values);
         match &self.observed {
             Some(observed) if observed.follows(record) => {
@@ -409,11 +407,11 @@ impl Model for LegModel {
     }
 
     fn coarser(&self, steps_per_sample: f64) -> Box<dyn Model> {
-        Box::new(Self { steps_per_sample: Some(steps_per_sample), halved: false, ..self.clone() })
+        Box::new(Self { steps_per_sample: Some(steps_per_sample), halvings: 0, ..self.clone() })
     }
 
     fn finer(&self) -> Option<Box<dyn Model>> {
-        Some(Box::new(Self { steps_per_sample: None, halved: true, ..self.clone() }))
+        Some(Box::new(Self { steps_per_sample: None, halvings: self.halvings + 1, ..self.clone() }))
     }
 
     fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {
