@@ -7,7 +7,7 @@ use super::tree::Tree;
 use crate::robot::{Inertial, Robot};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 
-/// Standard gravity as the benches have it, m/s^2.
+/// Gravitational acceleration on a bench, m/s^2.
 const GRAVITY_M_S2: f64 = 9.81;
 
 /// A body that one joint moves.
