@@ -100,6 +100,11 @@ impl MovingBodies {
         self.bodies[i].mass_kg
     }
 
+    /// `world_from_base`.
+    pub fn base(&self) -> &Isometry3<f64> {
+        &self.base
+    }
+
     /// Number of coordinates.
     pub fn len(&self) -> usize {
         self.bodies.len()

@@ -17,7 +17,7 @@ use crate::effect::{self, EffectRef, LegSetting, Placed};
 use crate::error::nearest;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
-use crate::simulation::{Mechanics, load_robot};
+use crate::simulation::{Mechanics, Simulation, load_robot};
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_model::{
@@ -128,12 +128,7 @@ impl LegModel {
         model.include_named()?;
         // What is wrong with a scenario beyond its text shows when it is put together.
         for case in model.cases.iter().filter(|c| !c.planned) {
-            crate::simulation::Simulation::with_effects(
-                &case.scenario,
-                case.robot.clone(),
-                &[],
-                Mechanics::Equations,
-            )?;
+            case.simulation(&case.scenario, &[])?;
         }
         Ok(model)
     }
@@ -299,6 +294,11 @@ fn coarser_step(scenario: &Scenario, most_s: f64) -> f64 {
 }
 
 impl Case {
+    /// A simulation of its robot as fits take it, in a scenario with the parameters' values in it.
+    fn simulation(&self, scenario: &Scenario, effects: &[Placed]) -> Result<Simulation, LegError> {
+        Simulation::with_effects(scenario, self.robot.clone(), effects, Mechanics::Equations)
+    }
+
     fn new(
         record: Option<String>,
         scenario: Scenario,

@@ -11,7 +11,7 @@ use super::{Case, predict};
 use crate::dynamics::coupling::{KnownLinks, KnownPath};
 use crate::effect::Placed;
 use crate::scenario::Scenario;
-use crate::simulation::{Mechanics, Simulation};
+use crate::simulation::Simulation;
 use sealegs_actuator::plant::{
     Grid, Pull, ReferenceMotion, mean_per_step, observer_rate, pull_at, sample, smoothed,
 };
@@ -108,9 +108,7 @@ impl Observed {
     ) -> Result<Prediction, ModelError> {
         // What is followed is the record that was given then, not one that is compared now.
         let record = self.records.iter().find(|r| r.name == record.name).unwrap_or(record);
-        let mut simulation =
-            Simulation::with_effects(scenario, case.robot.clone(), effects, Mechanics::Equations)
-                .map_err(predict::model_error)?;
+        let mut simulation = case.simulation(scenario, effects).map_err(predict::model_error)?;
         let grid = predict::grid(record, scenario.step_s)?;
         let known = self.known(case, scenario, record, &grid)?;
         let mut prediction = Prediction { outputs: Vec::new(), internals: Vec::new(), events: Vec::new() };
@@ -160,9 +158,7 @@ fn measured<'a>(record: &'a Record, actuator: &str) -> Option<(&'a [f64], &'a [f
 
 impl Known {
     fn of(case: &Case, scenario: &Scenario, record: &Record, grid: &Grid) -> Result<Self, ModelError> {
-        let mut simulation =
-            Simulation::with_effects(scenario, case.robot.clone(), &[], Mechanics::Equations)
-                .map_err(predict::model_error)?;
+        let mut simulation = case.simulation(scenario, &[]).map_err(predict::model_error)?;
         let beyond = Grid { steps: grid.steps + 1, ..*grid };
         let on_grid = |channel: &str| -> ReferenceMotion {
             let values = record.output(channel).unwrap_or(&[]);

@@ -7,7 +7,7 @@ use crate::dynamics::coupling::ActuatorInstant;
 use crate::effect::Placed;
 use crate::robot::Robot;
 use crate::scenario::{MOST_STEPS, Scenario};
-use crate::simulation::{EventLevel, Mechanics, Simulation};
+use crate::simulation::{EventLevel, Simulation};
 use sealegs_actuator::plant::{Grid, mean_per_step, sample};
 use sealegs_model::{ModelError, Prediction, Record, Signal, internal};
 
@@ -100,9 +100,7 @@ pub(super) fn predict(
                 .ok_or_else(|| ModelError::UnknownChannel { channel: channel.clone() })
         })
         .collect::<Result<_, _>>()?;
-    let mut simulation =
-        Simulation::with_effects(scenario, case.robot.clone(), effects, Mechanics::Equations)
-            .map_err(model_error)?;
+    let mut simulation = case.simulation(scenario, effects).map_err(model_error)?;
     let step_s = scenario.step_s;
     let grid = grid(record, step_s)?;
     give_inputs(&mut simulation, case, record, &grid)?;

@@ -120,6 +120,8 @@ pub(crate) struct Engine {
     previous: DVector<f64>,
     /// Generalised velocity now, in the engine's order.
     current: DVector<f64>,
+    /// Generalised velocity extrapolated to the time of the poses, `v + (v - v_prev)/2`.
+    speed: DVector<f64>,
     /// Poses and extrapolated velocities.
     pub states: Vec<BodyState>,
     rail: bool,
@@ -161,7 +163,7 @@ impl Engine {
                 let on_rail = inertials[0].as_ref().filter(|_| rail);
                 let moving = MovingBodies::new(tree, on_rail, world_from_base, -gravity);
                 let n = moving.len();
-                (Box::new(Recursive::new(moving, rail, world_from_base, step_s)), n)
+                (Box::new(Recursive::new(moving, rail, step_s)), n)
             }
         };
         let of = |f: &dyn Fn(&Inertial) -> f64| inertials.iter().map(|i| i.as_ref().map_or(0.0, f)).collect();
@@ -187,6 +189,7 @@ impl Engine {
             rail_m: 0.0,
             previous: DVector::zeros(n),
             current: DVector::zeros(n),
+            speed: DVector::zeros(n),
             states: vec![still; tree.bodies.len()],
             rail,
             axes: tree.bodies.iter().map(|b| b.joint.as_ref().map_or(Vector3::x(), |j| *j.axis)).collect(),
@@ -223,9 +226,8 @@ impl Engine {
         }
         self.bodies.displace(&displacement, now);
         self.q.copy_from_slice(q);
-        self.read_state();
         self.previous.copy_from(before);
-        self.read_twists();
+        self.read_state();
     }
 
     /// Sets the inertia added to a joint, kg m^2.
@@ -263,15 +265,14 @@ impl Engine {
 
     /// One step with the forces that were added.
     pub fn step(&mut self) {
-        let speed = &self.current * 1.5 - &self.previous * 0.5;
-        self.bodies.step(&speed);
+        self.bodies.step(&self.speed);
         std::mem::swap(&mut self.previous, &mut self.current);
         self.read_state();
     }
 
     /// A step of the bodies and nothing else, for a benchmark.
     pub fn step_bare(&mut self) {
-        self.bodies.step(&self.current);
+        self.bodies.step(&self.speed);
     }
 
     /// Takes positions, poses and velocities from the bodies.
@@ -290,14 +291,18 @@ impl Engine {
         self.read_twists();
     }
 
-    /// Velocities at `v + (v - v_prev)/2`.
+    /// Velocities at the time of the poses.
     fn read_twists(&mut self) {
-        let extrapolated = |i: usize| 1.5 * self.current[i] - 0.5 * self.previous[i];
+        let velocities = self.current.iter().zip(&self.previous);
+        self.speed
+            .iter_mut()
+            .zip(velocities)
+            .for_each(|(speed, (v, before))| *speed = 1.5 * v - 0.5 * before);
         for (i, state) in self.states.iter_mut().enumerate() {
             let j = self.bodies.jacobian(i);
             let mut twist = [0.0; 6];
             for column in 0..j.ncols() {
-                let v = extrapolated(column);
+                let v = self.speed[column];
                 for (row, t) in twist.iter_mut().enumerate() {
                     *t += j[(row, column)] * v;
                 }
@@ -311,8 +316,7 @@ impl Engine {
 
     /// Velocity of a joint extrapolated to the time of the poses, rad/s or m/s.
     pub fn joint_velocity(&self, dof: usize) -> f64 {
-        let column = self.columns[dof];
-        1.5 * self.current[column] - 0.5 * self.previous[column]
+        self.speed[self.columns[dof]]
     }
 
     /// Generalised velocity half a step before the poses, in the engine's order.

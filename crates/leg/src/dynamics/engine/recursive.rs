@@ -16,23 +16,23 @@ pub(super) struct Recursive {
     forces: Vec<(Vector3<f64>, Vector3<f64>)>,
     /// Of each body of the tree, the base first.
     jacobians: Vec<Jacobian>,
-    /// `world_from_base` where the base does not move.
-    fixed: Option<Isometry3<f64>>,
+    /// How many bodies of the tree do not move: the base, where it is not on a rail.
+    fixed: usize,
     step_s: f64,
 }
 
 impl Recursive {
     /// At rest with all coordinates zero. On a rail the first moving body is the base.
-    pub fn new(bodies: MovingBodies, rail: bool, world_from_base: &Isometry3<f64>, step_s: f64) -> Self {
-        let n = bodies.len();
+    pub fn new(bodies: MovingBodies, rail: bool, step_s: f64) -> Self {
+        let (n, fixed) = (bodies.len(), usize::from(!rail));
         let mut recursive = Self {
             equations: bodies.equations(),
             q: vec![0.0; n],
             v: DVector::zeros(n),
             armature: vec![0.0; n],
             forces: vec![Default::default(); n],
-            jacobians: vec![Jacobian::zeros(n); n + usize::from(!rail)],
-            fixed: (!rail).then_some(*world_from_base),
+            jacobians: vec![Jacobian::zeros(n); n + fixed],
+            fixed,
             step_s,
             bodies,
         };
@@ -42,13 +42,12 @@ impl Recursive {
 
     /// Index among the moving bodies of a body of the tree; `None` of a base that does not move.
     fn moving(&self, body: usize) -> Option<usize> {
-        body.checked_sub(usize::from(self.fixed.is_some()))
+        body.checked_sub(self.fixed)
     }
 
     fn place(&mut self) {
         self.bodies.place(&self.q, &mut self.equations);
-        let skipped = usize::from(self.fixed.is_some());
-        for (body, jacobian) in self.jacobians.iter_mut().skip(skipped).enumerate() {
+        for (body, jacobian) in self.jacobians.iter_mut().skip(self.fixed).enumerate() {
             for (column, linear, turning) in self.equations.columns(body) {
                 jacobian.fixed_view_mut::<3, 1>(0, *column).copy_from(linear);
                 jacobian.fixed_view_mut::<3, 1>(3, *column).copy_from(turning);
@@ -119,10 +118,7 @@ impl Bodies for Recursive {
     }
 
     fn pose(&self, body: usize) -> Isometry3<f64> {
-        match (self.moving(body), &self.fixed) {
-            (Some(moving), _) => *self.equations.pose(moving),
-            (None, fixed) => fixed.unwrap_or_default(),
-        }
+        *self.moving(body).map_or(self.bodies.base(), |moving| self.equations.pose(moving))
     }
 
     fn jacobian(&self, body: usize) -> &Jacobian {
