@@ -122,3 +122,16 @@ fn analytic_a_screw_goes_where_its_rotor_and_its_speed_take_it() {
         assert!(off < 50.0 && load[..last].iter().any(|f| f.abs() > 100.0), "{off}");
     }
 }
+
+#[test]
+fn outputs_alone_are_those_of_a_prediction_bit_for_bit() {
+    let model = leg();
+    let record = recorded(&model, &[]);
+    let observing = model.observing(&[&record]).expect("every joint and rotor was measured");
+    for model in [&model as &dyn Model, observing.as_ref()] {
+        let whole = model.predict(&values(model), &record, &channels()).expect("it runs");
+        let alone = model.predict_outputs(&values(model), &record, &channels()).expect("it runs");
+        assert!(!whole.internals.is_empty() && alone.internals.is_empty());
+        assert_eq!(whole.outputs, alone.outputs);
+    }
+}

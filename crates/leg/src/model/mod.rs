@@ -18,6 +18,7 @@ use crate::error::nearest;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::simulation::{Mechanics, Simulation, load_robot};
+use predict::Asked;
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_model::{
@@ -271,6 +272,27 @@ impl LegModel {
         };
         self.included.iter().map(of).collect()
     }
+
+    /// What a run of a record shows with some values, as it is asked.
+    fn predicted(&self, values: &[f64], record: &Record, asked: Asked) -> Result<Prediction, ModelError> {
+        let case = self.case(&record.name);
+        let mut scenario = parameters::applied(case, &self.parameters, &self.reference, values, &|_| None);
+        scenario.step_s = match (self.step_s, self.steps_per_sample) {
+            (Some(step_s), _) => step_s,
+            (None, Some(steps)) => coarser_step(&scenario, record.mean_period_s() / steps),
+            (None, None) => comparison_step(&scenario),
+        };
+        scenario.step_s *= 0.5_f64.powi(self.halvings);
+        let effects = self.placed(values);
+        match &self.observed {
+            Some(observed) if observed.follows(record) => {
+                let base = self.reference.len();
+                let zeros_rad = &values[base..base + self.encoder_zeros];
+                observed.predict(case, &scenario, (&effects, zeros_rad), record, asked)
+            }
+            _ => predict::predict(case, &scenario, &effects, record, asked),
+        }
+    }
 }
 
 /// The step with which a scenario is compared, s.
@@ -354,23 +376,16 @@ impl Model for LegModel {
         record: &Record,
         channels: &[String],
     ) -> Result<Prediction, ModelError> {
-        let case = self.case(&record.name);
-        let mut scenario = parameters::applied(case, &self.parameters, &self.reference, values, &|_| None);
-        scenario.step_s = match (self.step_s, self.steps_per_sample) {
-            (Some(step_s), _) => step_s,
-            (None, Some(steps)) => coarser_step(&scenario, record.mean_period_s() / steps),
-            (None, None) => comparison_step(&scenario),
-        };
-        scenario.step_s *= 0.5_f64.powi(self.halvings);
-        let effects = self.placed(values);
-        match &self.observed {
-            Some(observed) if observed.follows(record) => {
-                let base = self.reference.len();
-                let zeros_rad = &values[base..base + self.encoder_zeros];
-                observed.predict(case, &scenario, (&effects, zeros_rad), record, channels)
-            }
-            _ => predict::predict(case, &scenario, &effects, record, channels),
-        }
+        self.predicted(values, record, Asked { channels, inside: true })
+    }
+
+    fn predict_outputs(
+        &self,
+        values: &[f64],
+        record: &Record,
+        channels: &[String],
+    ) -> Result<Prediction, ModelError> {
+        self.predicted(values, record, Asked { channels, inside: false })
     }
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {

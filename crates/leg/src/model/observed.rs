@@ -7,7 +7,8 @@
 //! A joint's encoder is mounted with an error, which a spring of 400 kN/m at an arm of 0.1 m turns into 40 N for each
 //! milliradian: the encoders' zeros are parameters of a leg under an observer.
 
-use super::{Case, predict};
+use super::Case;
+use super::predict::{self, Asked};
 use crate::dynamics::coupling::{KnownLinks, KnownPath};
 use crate::effect::Placed;
 use crate::scenario::Scenario;
@@ -104,7 +105,7 @@ impl Observed {
         scenario: &Scenario,
         (effects, zeros_rad): (&[Placed], &[f64]),
         record: &Record,
-        channels: &[String],
+        asked: Asked,
     ) -> Result<Prediction, ModelError> {
         // What is followed is the record that was given then, not one that is compared now.
         let record = self.records.iter().find(|r| r.name == record.name).unwrap_or(record);
@@ -114,9 +115,10 @@ impl Observed {
         let mut prediction = Prediction { outputs: Vec::new(), internals: Vec::new(), events: Vec::new() };
         let mut told: Vec<(String, Vec<f64>)> = Vec::new();
         for followed in &known.actuators {
-            told.extend(follow(&mut simulation, followed, zeros_rad, record, &grid, &mut prediction)?);
+            let inside = asked.inside.then_some(&mut prediction.internals);
+            told.extend(follow(&mut simulation, followed, zeros_rad, record, &grid, inside)?);
         }
-        for channel in channels {
+        for channel in asked.channels {
             let values = match told.iter().find(|(name, _)| name == channel) {
                 Some((_, values)) => values.clone(),
                 None => record
@@ -232,14 +234,14 @@ impl Followed {
     }
 }
 
-/// Integrates one actuator along its known path: its channels by name, its internal signals into the prediction.
+/// Integrates one actuator along its known path: its channels by name, and its internal signals where they are asked for.
 fn follow(
     simulation: &mut Simulation,
     followed: &Followed,
     zeros_rad: &[f64],
     record: &Record,
     grid: &Grid,
-    prediction: &mut Prediction,
+    internals: Option<&mut Vec<Signal>>,
 ) -> Result<Vec<(String, Vec<f64>)>, ModelError> {
     let i = followed.index;
     let (name, nominal, travel) = {
@@ -258,8 +260,8 @@ fn follow(
         KnownLinks { path: followed.path.clone(), point: 0, longer_m: followed.longer(zeros_rad) };
     let points = grid.steps + 1;
     let room = || Vec::with_capacity(points);
-    let (mut forces, mut inside, mut pulled) =
-        ([room(), room(), room()], vec![room(); predict::INTERNALS.len()], room());
+    let mut forces = [room(), room(), room()];
+    let mut inside = internals.map(|internals| (internals, predict::INTERNALS.map(|_| room()), room()));
     let coefficients = {
         let (actuators, gravity) = simulation.actuators_mut();
         let actuator = &mut actuators[i];
@@ -281,27 +283,30 @@ fn follow(
             for (values, value) in forces.iter_mut().zip(now) {
                 values.push(value);
             }
-            for (values, value) in inside.iter_mut().zip(predict::internals(&instant, travel)) {
-                values.push(value);
+            if let Some((_, inside, pulled)) = &mut inside {
+                for (values, value) in inside.iter_mut().zip(predict::internals(&instant, travel)) {
+                    values.push(value);
+                }
+                pulled.push(actuator.pulled_n());
             }
-            pulled.push(actuator.pulled_n());
         }
         actuator.coefficients
     };
     let at = |values: &[f64]| sample(values, grid, &record.time_s, 0.0);
-    let missing = missing(
-        followed,
-        (&forces, &inside[1], &pulled),
-        (coefficients.stiffness, coefficients.damping, travel),
-        grid,
-        record,
-    );
-    for (port, values) in missing {
-        let channel = format!("{name}.{}{port}", internal::MISSING);
-        prediction.internals.push(Signal { channel, values });
-    }
-    for (what, values) in predict::INTERNALS.iter().zip(&inside) {
-        prediction.internals.push(Signal { channel: format!("{name}.{what}"), values: at(values) });
+    if let Some((internals, inside, pulled)) = inside {
+        let missing = missing(
+            followed,
+            (&forces, &inside[1], &pulled),
+            (coefficients.stiffness, coefficients.damping, travel),
+            grid,
+            record,
+        );
+        for (port, values) in missing {
+            internals.push(Signal { channel: format!("{name}.{}{port}", internal::MISSING), values });
+        }
+        for (what, values) in predict::INTERNALS.iter().zip(&inside) {
+            internals.push(Signal { channel: format!("{name}.{what}"), values: at(values) });
+        }
     }
     let endings = ["force_1_n", "force_2_n", "rotor_angle_rad"];
     // Between the cells is the sprung mass: its acceleration out of an encoder's counts is worth less than what link 1 felt.

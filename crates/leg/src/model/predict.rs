@@ -65,6 +65,15 @@ pub(super) fn internals(a: &ActuatorInstant, travel_per_rad: f64) -> [f64; INTER
     ]
 }
 
+/// What is asked of a prediction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Asked<'a> {
+    /// The outputs.
+    pub channels: &'a [String],
+    /// Whether internal signals and events are, too: most of a fit's simulations are for derivatives of the outputs.
+    pub inside: bool,
+}
+
 /// What is wrong with a leg, as a model says it.
 pub(super) fn model_error(error: LegError) -> ModelError {
     match error {
@@ -89,9 +98,10 @@ pub(super) fn predict(
     scenario: &Scenario,
     effects: &[Placed],
     record: &Record,
-    channels: &[String],
+    asked: Asked,
 ) -> Result<Prediction, ModelError> {
-    let wanted: Vec<(&str, Channel)> = channels
+    let wanted: Vec<(&str, Channel)> = asked
+        .channels
         .iter()
         .map(|channel| {
             let known = case.channels.iter().find(|(name, _)| name == channel);
@@ -106,15 +116,16 @@ pub(super) fn predict(
     give_inputs(&mut simulation, case, record, &grid)?;
 
     let travel: Vec<f64> = simulation.leg().actuators.iter().map(|a| a.travel_per_rad).collect();
-    let mut dense: Vec<Vec<f64>> = vec![Vec::with_capacity(grid.steps + 1); wanted.len()];
-    let mut inside: Vec<Vec<f64>> = vec![Vec::with_capacity(grid.steps + 1); INTERNALS.len() * travel.len()];
+    let mut dense: Vec<Vec<f64>> = wanted.iter().map(|_| Vec::with_capacity(grid.steps + 1)).collect();
+    let room = || (0..INTERNALS.len() * travel.len()).map(|_| Vec::with_capacity(grid.steps + 1));
+    let mut inside: Vec<Vec<f64>> = if asked.inside { room().collect() } else { Vec::new() };
     let mut events = Vec::new();
     for _ in 0..=grid.steps {
         let step = simulation.advance_watched(|instant| {
             for ((_, channel), values) in wanted.iter().zip(&mut dense) {
                 values.push(channel.at(instant));
             }
-            for (i, a) in instant.actuators.iter().enumerate() {
+            for (i, a) in instant.actuators.iter().enumerate().filter(|_| asked.inside) {
                 let now = internals(a, travel[i]);
                 for (values, value) in inside[INTERNALS.len() * i..].iter_mut().zip(now) {
                     values.push(value);
@@ -122,7 +133,8 @@ pub(super) fn predict(
             }
         });
         step.map_err(model_error)?;
-        for event in simulation.events().iter().filter(|e| e.level() == EventLevel::Error) {
+        let faults = simulation.events().iter().filter(|e| asked.inside && e.level() == EventLevel::Error);
+        for event in faults {
             events.push(format!("{:.4} s: {} {}", event.time_s, event.subject, event.text));
         }
     }

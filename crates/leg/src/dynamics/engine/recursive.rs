@@ -2,7 +2,7 @@
 
 use super::{Bodies, Jacobian};
 use crate::dynamics::equations::{Equations, MovingBodies};
-use nalgebra::{Cholesky, DVector, Isometry3, Point3, Vector3};
+use nalgebra::{Cholesky, DMatrix, DVector, Isometry3, Point3, Vector3};
 
 /// Bodies with their state.
 pub(super) struct Recursive {
@@ -12,6 +12,8 @@ pub(super) struct Recursive {
     v: DVector<f64>,
     /// Inertia added to each coordinate.
     armature: Vec<f64>,
+    /// Room for a step's mass matrix and accelerations.
+    room: (DMatrix<f64>, DVector<f64>),
     /// Force and torque about the centre of mass on each moving body, world frame.
     forces: Vec<(Vector3<f64>, Vector3<f64>)>,
     /// Of each body of the tree, the base first.
@@ -30,6 +32,7 @@ impl Recursive {
             q: vec![0.0; n],
             v: DVector::zeros(n),
             armature: vec![0.0; n],
+            room: (DMatrix::zeros(n, n), DVector::zeros(n)),
             forces: vec![Default::default(); n],
             jacobians: vec![Jacobian::zeros(n); n + fixed],
             fixed,
@@ -86,21 +89,27 @@ impl Bodies for Recursive {
 
     fn step(&mut self, speed: &DVector<f64>) {
         self.bodies.set_in_motion(speed.as_slice(), &mut self.equations);
-        let n = self.q.len();
-        let mut accelerations = DVector::from_fn(n, |i, _| -self.equations.bias[i]);
+        let (mut mass, accelerations) = (std::mem::take(&mut self.room.0), &mut self.room.1);
+        accelerations.iter_mut().zip(&self.equations.bias).for_each(|(a, bias)| *a = -bias);
         for (body, (force, torque)) in self.forces.iter().enumerate() {
             for (column, linear, turning) in self.equations.columns(body) {
                 accelerations[*column] += linear.dot(force) + turning.dot(torque);
             }
         }
-        let mut mass = self.equations.mass.clone();
-        (0..n).for_each(|i| mass[(i, i)] += self.armature[i]);
-        match Cholesky::new(mass) {
-            Some(factor) => factor.solve_mut(&mut accelerations),
+        mass.clone_from(&self.equations.mass);
+        self.armature.iter().enumerate().for_each(|(i, inertia)| mass[(i, i)] += inertia);
+        self.room.0 = match Cholesky::new(mass) {
+            Some(factor) => {
+                factor.solve_mut(accelerations);
+                factor.unpack_dirty()
+            }
             // What is not a number any more is found by whoever watches the run.
-            None => accelerations.fill(f64::NAN),
-        }
-        self.v.axpy(self.step_s, &accelerations, 1.0);
+            None => {
+                accelerations.fill(f64::NAN);
+                self.equations.mass.clone()
+            }
+        };
+        self.v.axpy(self.step_s, accelerations, 1.0);
         self.q.iter_mut().zip(&self.v).for_each(|(q, v)| *q += v * self.step_s);
         self.place();
     }
