@@ -16,9 +16,6 @@
 //! A model is seen through [`sealegs_model::Model`] only. Whatever is computed in parallel is summed in a
 //! fixed order, so that the same input gives the same bits for any number of threads.
 
-// "A set fitted from what is known" is made by a fit that has the data.
-#![allow(clippy::wrong_self_convention)]
-
 pub mod campaign;
 pub mod check;
 pub mod data;

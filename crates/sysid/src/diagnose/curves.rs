@@ -19,6 +19,7 @@ use crate::fit::Signatures;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sealegs_model::{Curve, Factor, Law, Model, Parameter, Prediction};
+use std::sync::Arc;
 
 /// Ports and dependences of each that are tried where a simulation is dear.
 const PORTS: usize = 2;
@@ -58,6 +59,7 @@ impl Tried {
             data: of.data,
             exact: self.exact.as_ref(),
             coarse: self.coarse.clone(),
+            before: Arc::default(),
             observed: Some(self.observed.clone()),
             seen: of.seen.clone(),
             ..*of

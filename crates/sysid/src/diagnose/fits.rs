@@ -71,7 +71,8 @@ impl Search<'_> {
         if let (true, [lead], [(.., Some(seen)), ..]) = (models.dear, &mut fitted[..], &ranked[..])
             && !models.is_settled(lead, &self.tried[0])
         {
-            *lead = models.or_as_observed(lead.clone(), seen);
+            let longer = models.through_beginnings(lead, lead.model.as_ref(), seen, false);
+            *lead = longer.filter(|longer| longer.fit.cost < lead.fit.cost).unwrap_or_else(|| lead.clone());
         }
         let chose = self.choose_again(&mut fitted);
         // Rivals have the same right to another choice.

@@ -1,9 +1,11 @@
 //! The last fit of a set: with the model itself, and derivatives that are good enough for standard errors.
 
 use super::candidate::within_half_a_period;
-use super::policy::{DEAR_STEPS, FAR_FROM_KNOWN, FREED_ROUNDS, HALF_STEPS, NEAR_FLOOR, NOTHING_MORE};
+use super::policy::{
+    DEAR_STEPS, FAR_FROM_KNOWN, FREED_ROUNDS, HALF_STEPS, NEAR_FLOOR, NOTHING_MORE, WORTH_SQUARED_NOISE,
+};
 use super::refine::{Models, finishing};
-use super::starts::freed;
+use super::starts::{freed, with_nominal_base};
 use super::{Candidate, count, with_effects};
 use crate::Error;
 use crate::fit::{self, Difference, Fit, FitOptions, KnownColumns};
@@ -20,7 +22,7 @@ impl Models<'_> {
     pub fn polished(&self, candidate: &Candidate) -> Candidate {
         let rough =
             self.dear && candidate.effects.is_empty() && candidate.fit.error() > NEAR_FLOOR * self.data.floor;
-        let again = (self.dear && !rough).then(|| self.from_what_is_known(candidate)).flatten();
+        let again = (self.dear && !rough).then(|| self.refitted_from_known(candidate)).flatten();
         let candidate = again.as_ref().unwrap_or(candidate);
         let polish = || -> Result<Candidate, Error> {
             let last = self.remembering(self.last);
@@ -57,6 +59,7 @@ impl Models<'_> {
                     break;
                 }
             }
+            let fit = self.through_beginnings_at_last(candidate, model.as_ref(), fit);
             let (model, fit) = if rough { (model, fit) } else { self.with_half_the_steps(model, fit) };
             Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
         };
@@ -66,7 +69,7 @@ impl Models<'_> {
     /// A set fitted again with the base parameters that ended far from what is known of them where they are known to be, if that
     /// leaves less. A joint that hardly moves rings for a hundred periods: its springs fit in many places, and each
     /// looks like the end. Where simulations are cheap other starts find that.
-    fn from_what_is_known(&self, set: &Candidate) -> Option<Candidate> {
+    fn refitted_from_known(&self, set: &Candidate) -> Option<Candidate> {
         let is_far = |p: &Parameter, value: f64| {
             let known = p.prior_std.filter(|_| !p.fixed);
             known.is_some_and(|std| (value - p.value).abs() > FAR_FROM_KNOWN * std)
@@ -83,8 +86,21 @@ impl Models<'_> {
         again.filter(|again| again.fit.cost < set.fit.cost)
     }
 
+    /// A last fit, or that through ever longer beginnings of the runs, where derivatives are dear, it leaves something and that
+    /// leaves less: other steps than the search's put the minimum of a rugged error elsewhere.
+    fn through_beginnings_at_last(&self, set: &Candidate, model: &dyn Model, fit: Fit) -> Fit {
+        if !self.dear || set.effects.is_empty() || fit.error() <= NEAR_FLOOR * self.data.floor {
+            return fit;
+        }
+        let observed = self.observing(set, &with_nominal_base(self.exact, &set.known()));
+        let again = observed.and_then(|o| self.through_beginnings(set, model, &o.fit, true));
+        again.map(|again| again.fit).filter(|again| again.cost < fit.cost).unwrap_or(fit)
+    }
+
     /// A last fit led on with half the integrator's steps, where that makes a difference: by the derivatives that it has, as only
-    /// the values depend on the steps, by less than an interval.
+    /// the values depend on the steps, by less than an interval. What the steps move a value by is part of what it is known
+    /// within. Where the error is rugged, other steps put its minimum so far away that the fit with the steps that it was
+    /// found with stays.
     fn with_half_the_steps(&self, model: Box<dyn Model>, fit: Fit) -> (Box<dyn Model>, Fit) {
         let Some(finer) = model.finer().filter(|finer| count::held(finer.as_ref()).is_empty()) else {
             return (model, fit);
@@ -100,10 +116,14 @@ impl Models<'_> {
             last: true,
             ..FitOptions::default()
         };
-        match fit::fit(self.data, finer.as_ref(), &options) {
-            Ok(led_on) => (finer, led_on),
-            Err(_) => (model, fit),
+        let Ok(led_on) = fit::fit(self.data, finer.as_ref(), &options) else { return (model, fit) };
+        let worse = led_on.error().powi(2) - fit.error().powi(2);
+        let rugged = worse > WORTH_SQUARED_NOISE * self.data.floor.powi(2);
+        let (model, mut last, other) = if rugged { (model, fit, led_on) } else { (finer, led_on, fit) };
+        for (p, other) in last.parameters.iter_mut().zip(&other.values) {
+            p.std = p.std.hypot(p.value - other);
         }
+        (model, last)
     }
 
     /// A candidate's fit followed along changes of the units of force and length, where derivatives are cheap.

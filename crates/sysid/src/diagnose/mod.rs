@@ -23,6 +23,7 @@ mod experiment;
 mod fits;
 mod free_form;
 mod grow;
+mod horizon;
 mod judge;
 mod last;
 mod missing;
@@ -249,6 +250,7 @@ fn search<'a>(
         progress,
     };
     let best = search.run();
+    let best = search.without_contained(best);
     search.confirm_rivals(best);
     let (chosen, mut tied) = search.ties(best);
     let chosen = search.holding_up(chosen, &mut tied);

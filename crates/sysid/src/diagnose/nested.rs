@@ -3,10 +3,13 @@
 
 use super::Candidate;
 use super::candidate::symbol;
+use super::compare::clearly_better;
 use super::policy::TIED_COST;
 use super::refine::Models;
+use super::screen::{Known, is_amplitude};
+use super::search::{Search, all_but};
 use crate::fit::{EQUAL_COST, Signatures};
-use sealegs_model::{EffectCard, Scale, SimplerAt, SimplerLaw};
+use sealegs_model::{EffectCard, Parameter, Scale, SimplerAt, SimplerLaw};
 
 /// Departure of a richer law from the simpler one that it contains, as a share of its strength, that data must exclude for
 /// both to be the same.
@@ -92,7 +95,69 @@ impl Models<'_> {
     }
 }
 
+impl Search<'_> {
+    /// A set without the members whose law another member contains (dry friction beside one that has a Stribeck effect), the
+    /// other one taking over their strength, unless that is clearly worse: a fit that begins at the other one's own strength
+    /// does not find the way there.
+    pub(super) fn without_contained(&mut self, best: usize) -> usize {
+        let set = self.tried[best].clone();
+        let cards = self.models.exact.effects(&self.models.seen);
+        let card = |id: &String| cards.iter().find(|c| c.id == *id);
+        let contained = |richer: &String| {
+            let law = card(richer)?;
+            let simple = simpler_id(law, law.becomes.as_ref()?);
+            set.effects.contains(&simple).then(|| (richer.clone(), simple))
+        };
+        for (richer, simple) in set.effects.iter().filter_map(contained) {
+            let own = set.model.parameters();
+            let Some(known) = with_strength_of(own, &set.fit.values, &richer, &simple) else { continue };
+            let rest = all_but(&set.effects, &simple);
+            let Some(fitted) = self.models.fitted(&set, &rest, &known, None) else { continue };
+            let index = self.kept(self.models.finished(fitted));
+            if !clearly_better(&self.tried[index], &set, self.models.data.floor) {
+                return self.without_contained(index);
+            }
+        }
+        best
+    }
+}
+
+/// Values by name, with the strength of a simple law added to those of a richer one that are in the same unit.
+fn with_strength_of(parameters: &[Parameter], values: &[f64], richer: &str, simple: &str) -> Option<Known> {
+    let all = || parameters.iter().zip(values);
+    let is_of = |p: &Parameter, effect: &str| symbol(&p.name, effect).is_some() && is_amplitude(p);
+    let (simple, strength) = all().find(|(p, _)| is_of(p, simple))?;
+    let takes = |p: &Parameter| is_of(p, richer) && p.unit == simple.unit;
+    Some(all().map(|(p, v)| (p.name.clone(), if takes(p) { v + strength } else { *v })).collect())
+}
+
 /// The id of the simpler law at the same place.
 pub(super) fn simpler_id(card: &EffectCard, law: &SimplerLaw) -> String {
     card.id.rsplit_once('/').map_or_else(|| law.id.to_owned(), |(place, _)| format!("{place}/{}", law.id))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_strength_of;
+    use sealegs_model::Parameter;
+
+    #[test]
+    fn a_richer_law_takes_over_the_strength_of_the_simple_one_and_nothing_else() {
+        let amplitude = |name: &str, unit: &str| Parameter {
+            neutral: Some(0.0),
+            ..Parameter::new(name, unit, 1.0, 0.0, 100.0)
+        };
+        let parameters = [
+            Parameter::new("damping", "N s/m", 5.0, 0.0, 100.0),
+            amplitude("knee/simple.force_n", "N"),
+            amplitude("knee/richer.force_n", "N"),
+            amplitude("knee/richer.share", "1"),
+            amplitude("hip/richer.force_n", "N"),
+        ];
+        let values = [5.0, 43.0, 7.0, 0.5, 9.0];
+        let known = with_strength_of(&parameters, &values, "knee/richer", "knee/simple").expect("values");
+        let taken: Vec<f64> = known.into_iter().map(|(_, value)| value).collect();
+        assert_eq!(taken, [5.0, 43.0, 50.0, 0.5, 9.0]);
+        assert!(with_strength_of(&parameters, &values, "knee/richer", "knee/none").is_none());
+    }
 }

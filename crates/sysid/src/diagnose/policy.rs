@@ -168,6 +168,8 @@ policy! {
     FAR_FROM_KNOWN = 2.0;
     /// Most steps of a last fit with half the integrator's steps: the first corrects the values, the second that.
     HALF_STEPS = 3.0;
+    /// Most steps of a fit of the beginnings of the runs: it leads to the neighbourhood of the solution.
+    HORIZON_STEPS = 10.0;
     /// Ratio of how far a value goes until as much more is left as is left, to how far the curvature says, from which on the
     /// error is rugged: a law that bends is off by less.
     RUGGED = 5.0;

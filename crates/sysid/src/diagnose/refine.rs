@@ -6,8 +6,7 @@
 
 use super::compare::{excess, is_seen, mean_square_difference};
 use super::policy::{
-    AT_FLOOR, OBSERVED_STEPS, RACE_STEPS, RACED, RIVAL_COST, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE, TRACE,
-    WEAKER,
+    AT_FLOOR, OBSERVED_STEPS, RACE_STEPS, RACED, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE, TRACE, WEAKER,
 };
 use super::screen::Known;
 use super::starts::{mixed_by_place, weakened, weakest, with_nominal_base};
@@ -18,6 +17,7 @@ use crate::data::Data;
 use crate::fit::{self, Difference, Fit, FitOptions};
 use rayon::prelude::*;
 use sealegs_model::{Excitation, Model, Parameter, Record};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Gain of a step with which a fit in a search is content (see [`FitOptions::tolerance`]).
 const TOLERANCE: f64 = 0.05;
@@ -47,7 +47,12 @@ pub struct Models<'a> {
     pub windowed: bool,
     /// In what a last fit simulates then.
     pub last: Memory,
+    /// Fits under the observer that were done before.
+    pub(super) before: Arc<Mutex<Vec<ObservedBefore>>>,
 }
+
+/// A set's start under the observer, and what came of it.
+pub(super) type ObservedBefore = (Vec<String>, Vec<f64>, Option<Candidate>);
 
 pub(super) fn records_of<'a>(data: &Data<'a>) -> Vec<&'a Record> {
     data.runs.iter().map(|r| r.record).collect()
@@ -64,13 +69,15 @@ impl<'a> Models<'a> {
         let dear = exact.is_dear();
         let coarse = windows.unwrap_or(coarse);
         let last = Memory::OpenLoop;
-        Self { data, exact, coarse, observed, seen: Excitation::default(), dear, windowed, last }
+        let (seen, before) = (Excitation::default(), Arc::default());
+        Self { data, exact, coarse, observed, seen, dear, windowed, last, before }
     }
 
     /// The search's forms with the model's own steps from now on.
     pub fn refine(&mut self) {
         self.coarse = in_windows(self.data, self.exact).unwrap_or_else(|| self.exact.clone_box());
         self.observed = self.exact.observing(&records_of(self.data));
+        self.before = Arc::default();
     }
 
     /// Mean squared difference of a set's predictions with the search's steps and with the model's own, in squared noise
@@ -146,7 +153,16 @@ impl<'a> Models<'a> {
     /// that the base parameters could still take. `None` where there is no observer.
     #[must_use]
     pub fn observing(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
-        self.observed_for(candidate, known, OBSERVED_STEPS as usize, &[])
+        let model = with_effects(self.observed.as_deref()?, &candidate.effects, &self.seen).ok()?;
+        let start = values_by_name(model.as_ref(), known);
+        let known_fits = || self.before.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_same = |(effects, from, _): &&ObservedBefore| *effects == candidate.effects && *from == start;
+        if let Some((.., fitted)) = known_fits().iter().find(is_same) {
+            return fitted.clone();
+        }
+        let fitted = self.observed_for(candidate, known, OBSERVED_STEPS as usize, &[]);
+        known_fits().push((candidate.effects.clone(), start, fitted.clone()));
+        fitted
     }
 
     /// A candidate under the observer as its maker states it, or fitted where nothing is known of a base parameter: what is
@@ -299,17 +315,6 @@ impl<'a> Models<'a> {
         Candidate::fitted(self.data, candidate.effects.clone(), model, &options).unwrap_or(candidate)
     }
 
-    /// A set that leaves something, or it fitted from its values under the observer as they are, where that leaves less: there
-    /// play has the width that it has, and in open loop it rattles, so that no fit leads from one width to another.
-    #[must_use]
-    pub(super) fn or_as_observed(&self, set: Candidate, observed: &Fit) -> Candidate {
-        let own: Known = observed.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
-        let other = self.fitted_near(&set, &set.effects, &own);
-        let other =
-            other.filter(|other| other.fit.cost <= RIVAL_COST * set.fit.cost).map(|o| self.finished(o));
-        other.filter(|other| other.fit.cost < set.fit.cost).unwrap_or(set)
-    }
-
     /// The candidate with its counts searched again nearby.
     fn tuned(&self, candidate: Candidate) -> Candidate {
         if self.dear {
@@ -341,5 +346,5 @@ pub(super) fn finishing(options: FitOptions) -> FitOptions {
 
 /// Derivatives in open loop are others than those under the observer, where simulations are cheap on a leg, too.
 fn under_observer(options: FitOptions) -> FitOptions {
-    FitOptions { columns: None, secants: false, difference: Difference::Forward, ..options }
+    FitOptions { columns: None, difference: Difference::Forward, ..options }
 }

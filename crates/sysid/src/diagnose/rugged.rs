@@ -3,7 +3,7 @@
 
 use super::Candidate;
 use super::count::is_count;
-use super::policy::{KNOWN_FROM_ZERO, NEAR_FLOOR, RUGGED};
+use super::policy::{KNOWN_FROM_ZERO, NEAR_FLOOR, RUGGED, WORTH_SQUARED_NOISE};
 use crate::data::Data;
 use crate::fit::Fit;
 use rayon::prelude::*;
@@ -16,37 +16,44 @@ const FURTHER: f64 = 3.0;
 /// See [`NEAREST`].
 const PROBES: i32 = 8;
 
-/// A set that leaves something, with the standard errors of its effects such that their intervals hold every value beside which no
-/// more is added to what is left than that itself, where the error is rugged; and the names of those parameters. Where it
-/// is not, the curvature tells how far that is, and standard errors stay as they are.
+/// A set with the standard errors of its effects such that their intervals hold every value beside which no more is added to
+/// what is left than that itself, where the error is rugged; and the names of those parameters. Where it is not, the
+/// curvature tells how far that is, and standard errors stay as they are, or become so great that no more is added than half
+/// the integrator's steps change, where that is worth a word: values are known no better than the steps let them be.
 #[must_use]
 pub(super) fn widened(data: &Data, set: &Candidate) -> (Fit, Vec<String>) {
     let mut fit = set.fit.clone();
-    let squares: f64 = fit.evaluation.blocks.iter().flat_map(|b| &b.residual).map(|r| r * r).sum();
-    let residuals: usize = fit.evaluation.blocks.iter().map(|b| b.residual.len()).sum();
-    let left = 0.5 * (squares - data.floor.powi(2) * residuals as f64);
-    if fit.error() <= NEAR_FLOOR * data.floor {
+    let (square, floor) = (fit.error().powi(2), data.floor.powi(2));
+    let by_steps = set.step_error(data, &fit.evaluation);
+    let (is_left, is_stepped) = (square > NEAR_FLOOR.powi(2) * floor, by_steps > WORTH_SQUARED_NOISE * floor);
+    if !is_left && !is_stepped {
         return (fit, Vec::new());
     }
-    let of_effects: Vec<(usize, usize)> = fit
+    let half_of = |square: f64| 0.5 * square * fit.evaluation.residuals() as f64;
+    let parameters = set.model.parameters();
+    let known: Vec<(usize, usize)> = fit
         .free
         .iter()
         .copied()
         .enumerate()
-        .filter(|&(_, i)| set.model.parameters()[i].name.contains('.'))
-        .filter(|&(_, i)| !is_count(&set.model.parameters()[i]) && fit.parameters[i].std > 0.0)
+        .filter(|&(_, i)| !is_count(&parameters[i]) && fit.parameters[i].std > 0.0)
         .collect();
+    let expected = |k: usize, left: f64| (2.0 * left / fit.normal[(k, k)]).sqrt() * fit.slopes[k].abs();
+    let mut reaches: Vec<(usize, f64)> = Vec::new();
+    if is_stepped {
+        reaches.extend(known.iter().map(|&(k, i)| (i, expected(k, half_of(by_steps)))));
+    }
+    let left = half_of(square.max(by_steps + floor) - floor);
     let reach_of = |&(k, i): &(usize, usize)| {
-        let expected = (2.0 * left / fit.normal[(k, k)]).sqrt() * fit.slopes[k].abs();
         let reach = reach(data, set, i, left);
-        (reach > RUGGED * expected).then_some((i, reach))
+        (reach > RUGGED * expected(k, left)).then_some((i, reach))
     };
+    let of_effects: Vec<_> = known.into_iter().filter(|&(_, i)| parameters[i].name.contains('.')).collect();
     let rugged: Vec<(usize, f64)> = of_effects.par_iter().filter_map(reach_of).collect();
-    let mut names = Vec::new();
-    for (i, reach) in rugged {
+    let names = rugged.iter().map(|&(i, _)| parameters[i].name.clone()).collect();
+    for (i, reach) in reaches.into_iter().chain(rugged) {
         let p = &mut fit.parameters[i];
         p.std = p.std.max(reach / KNOWN_FROM_ZERO);
-        names.push(p.name.clone());
     }
     (fit, names)
 }
