@@ -239,7 +239,7 @@ fn reference_a_start_is_told_from_noisy_rows_under_torque() {
         let truth = bench.predict(&values(&bench), &at, &["joint_angle_rad".to_owned()]).expect("finite");
         seen.outputs[0].values = truth.outputs[0].values.iter().zip(0..).map(|(a, n)| a + noise(n)).collect();
         let folder = folder();
-        let arm = robot(folder.path(), ARM, drive).for_records(&[&seen]);
+        let arm = robot(folder.path(), ARM, drive).for_records(&[&seen]).starting_as(&seen).expect("finite");
         let (q, v) = arm.starts().next().expect("a start").1[0];
         // Its first 20 ms tell the speed to 0.1 rad/s, 0.5 s without what the torque does to 0.03.
         assert!((q - start.0).abs() < 3e-4 && (v - start.1).abs() < 5e-3, "{start:?} {q} {v}");

@@ -3,6 +3,7 @@
 mod double_pendulum;
 
 use double_pendulum::{TORQUE, TWO, farthest, values};
+use sealegs_actuator::excitation::gaussian;
 use sealegs_leg::bench::{RobotFile, RobotModel};
 use sealegs_model::{Excitation, InputHold, Model, Record, Signal, SignalRange, internal};
 use std::path::Path;
@@ -23,10 +24,10 @@ fn torque(joint: usize, t: f64) -> f64 {
     [2.0 * (3.0 * t).sin() + 0.5 * (11.0 * t).cos(), 0.8 * (5.0 * t).sin()][joint]
 }
 
-/// Three seconds that begin in motion.
 /// Angle (rad) and speed (rad/s) of both joints where the record begins.
 const START: [(f64, f64); 2] = [(0.4, -0.5), (-0.2, 1.0)];
 
+/// Three seconds that begin in motion.
 fn record() -> Record {
     let time_s: Vec<f64> = (0..1500).map(|n| f64::from(n) * 2e-3).collect();
     let column = |joint: usize| time_s.iter().map(|t| torque(joint, *t)).collect::<Vec<f64>>();
@@ -182,6 +183,31 @@ fn reference_an_observer_shows_the_friction_that_is_missing_where_it_is_missing(
     let mean_square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>() / v.len() as f64;
     let elsewhere = mean_square(&missing("elbow")).sqrt();
     assert!(elsewhere < 0.2 * friction, "{elsewhere}");
+}
+
+#[test]
+fn reference_a_noisy_start_is_met_by_the_motion_under_friction() {
+    let (folder, mut record) = (folder(), record());
+    let truth = reference([0.2, 0.1], 0.15);
+    for (joint, (output, truth)) in record.outputs.iter_mut().zip(&truth).enumerate() {
+        let noisy = |(angle, n): (&f64, i64)| angle + 1e-3 * gaussian(joint as u64 + 1, n);
+        output.values = truth.iter().zip(0..).map(noisy).collect();
+    }
+    let mut model = model(folder.path()).for_records(&[&record]);
+    for id in ["shoulder/coulomb-friction", "elbow/coulomb-friction", "elbow/output-offset"] {
+        model = model.including(id, &seen()).unwrap_or_else(|e| panic!("{e}"));
+    }
+    let mut all = values(&model);
+    let first = all.len() - 3;
+    all[first..].copy_from_slice(&[0.2, 0.1, 0.15]);
+    let off = |model: &RobotModel| {
+        let got = model.predict(&all, &record, &channels()).expect("finite");
+        farthest(&got.outputs[0].values, &truth[0]).max(farthest(&got.outputs[1].values, &truth[1]))
+    };
+    // What the first rows tell by themselves grows to many times the noise.
+    let of_rows = model.starts().next().expect("a start").1.to_vec();
+    let (met, rows) = (off(&model), off(&model.clone().with_start("run", of_rows)));
+    assert!(met < 0.03 && met < 0.1 * rows, "{met} {rows}");
 }
 
 #[test]

@@ -212,7 +212,7 @@ fn of_campaign(arguments: &Export, format: Format, stem: &str) -> anyhow::Result
         campaign::Bench::Robot => {
             let model = robot_model::of_source(&mut campaign, &source, &[]).or_bad_input()?;
             let model = match (&arguments.run, &record) {
-                (Some(_), Some(record)) => model.starting_as(record),
+                (Some(_), Some(record)) => model.starting_as(record).or_bad_input()?,
                 _ => model,
             };
             sealegs_export::robot(format, &model, stem).or_bad_input()

@@ -1,6 +1,7 @@
 //! A robot with its drives in parts, for whoever writes it in another format.
 
 use super::RobotModel;
+use super::begin::Begin;
 use super::simulate::ahead_at_rest;
 use crate::robot::{JointKind, Robot};
 use sealegs_actuator::bench::BenchModel;
@@ -101,23 +102,28 @@ impl RobotModel {
         tied
     }
 
-    /// Names of the records whose start is known, with position and speed of every joint there (rad and rad/s, m and m/s).
+    /// Names of the records whose start is known, with position and speed of every joint there (rad and rad/s, m and m/s) as their
+    /// first rows tell them.
     pub fn starts(&self) -> impl Iterator<Item = (&str, &[(f64, f64)])> {
-        self.starts.iter().map(|(record, start)| (record.as_str(), start.as_slice()))
+        self.starts.iter().map(|(record, start)| (record.as_str(), start.at.as_slice()))
     }
 
     /// The same with a record's runs beginning at this position and speed of every joint (rad and rad/s, m and m/s).
     #[must_use]
     pub fn with_start(mut self, record: &str, start: Vec<(f64, f64)>) -> Self {
-        self.starts.insert(record.to_owned(), start);
+        self.starts.insert(record.to_owned(), Begin::known(start));
         self
     }
 
-    /// The same with the start of one record alone, if it is known.
-    #[must_use]
-    pub fn starting_as(mut self, record: &Record) -> Self {
-        self.starts.retain(|name, _| *name == record.name);
-        self
+    /// The same with one record alone, whose run begins where a simulation with the nominal values begins it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`sealegs_model::Model::predict`].
+    pub fn starting_as(mut self, record: &Record) -> Result<Self, ModelError> {
+        let start = self.start(&self.nominal(), record)?;
+        self.starts.clear();
+        Ok(self.with_start(&record.name, start))
     }
 
     /// The nominal values, in the order of the model's parameters.

@@ -11,15 +11,17 @@
 //! `.motor_angle_rad` are compared, and the torque that passes to the link, `.output_torque_nm`; with a spring
 //! `.spring_deflection_rad` and `.spring_torque_nm`, too. Of a sliding joint `.force_n` commands, and compared are `.position_m`,
 //! `.speed_m_s` and `.force_2_n` (with a spring `.force_1_n`, the spring's, and `.spring_deflection_m`). A run
-//! begins where its log does: each joint's position and speed by a cubic through the first rows, the position alone zero
-//! where it was not logged. Friction that the URDF states is not taken: `coulomb-friction` is found, or named by the file.
+//! begins where its log does: each joint's position and speed by a cubic through the first rows, or, where these tell them only
+//! roughly, where the model's own motion meets them best; the position alone zero where it was not logged. Friction that the URDF states is not taken: `coulomb-friction` is found, or named by the file.
 
+mod begin;
 mod described;
 mod file;
 mod joint;
 mod links;
 mod model;
 mod observed;
+mod predict;
 mod records;
 mod rub;
 mod simulate;

@@ -1,24 +1,20 @@
-//! The robot with its drives as a model: parameters by joint and link, effects by joint, prediction of a record.
+//! The robot with its drives as a model: parameters by joint and link, and effects by joint.
 
 use super::RobotFile;
+use super::begin::Begin;
 use super::joint::{Column, Joint, refused_with_spring};
 use super::links::{self, LinkParameters};
 use super::observed::Observed;
-use super::simulate::{Course, JointTrace, Machine};
 use super::stated::with_embedded;
 use crate::LegError;
 use crate::dynamics::equations::MovingBodies;
 use crate::error::nearest;
 use crate::robot::{JointKind, Robot};
-use sealegs_actuator::bench::{Bench, BenchModel, Fed, command_times, search_step_without_springs};
+use sealegs_actuator::bench::{Bench, BenchModel};
 use sealegs_actuator::effect::Effect;
-use sealegs_actuator::plant::{Feed, Grid, Plant, sample};
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_actuator::{ActuatorSpec, Kind};
-use sealegs_model::{
-    EffectCard, Excitation, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
-};
-use std::borrow::Cow;
+use sealegs_model::{EffectCard, Excitation, Model, ModelError, Parameter, Prediction, Record};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -28,10 +24,6 @@ const STEP_S: f64 = 5e-4;
 /// Free parameters beyond which a search does not look at everything: three joints with loops of their own have some 22, and
 /// with each joint come as many effects again.
 const MANY_PARAMETERS: usize = 30;
-
-/// Share of the model's own step that play is followed with at least: teeth of 2000 N m/rad before 0.002 kg m^2 turn by 0.1
-/// radian of their oscillation in it.
-const OF_PLAY: f64 = 0.2;
 
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
@@ -47,17 +39,17 @@ pub struct RobotModel {
     /// The robot as its URDF and its drives' files have it, without the values and effects of its own file.
     pub(super) plain: Option<Arc<Self>>,
     /// Factors of the servos' proportional gains by the record's name and the joint; 1 where none is there.
-    gains: BTreeMap<String, BTreeMap<String, f64>>,
+    pub(super) gains: BTreeMap<String, BTreeMap<String, f64>>,
     links: Vec<LinkParameters>,
     pub(super) parameters: Vec<Parameter>,
     /// Included effects: the joint and the id there.
     included: Vec<(usize, String)>,
-    /// Position and speed of every joint at the start, by the records' names.
-    pub(super) starts: BTreeMap<String, Vec<(f64, f64)>>,
-    step_s: f64,
-    steps_per_sample: Option<f64>,
+    /// Where runs begin, by the records' names.
+    pub(super) starts: BTreeMap<String, Begin>,
+    pub(super) step_s: f64,
+    pub(super) steps_per_sample: Option<f64>,
     /// What the joints are pulled to, under an observer.
-    observed: Option<Arc<Observed>>,
+    pub(super) observed: Option<Arc<Observed>>,
 }
 
 impl RobotModel {
@@ -261,32 +253,6 @@ impl RobotModel {
         self
     }
 
-    /// The robot with parameter values in place, each drive told what it is in the record.
-    fn machine(&self, values: &[f64], record: &Record) -> Result<Machine, ModelError> {
-        let plant = |joint: &Joint| {
-            let input = joint.command_in(record)?.map_or(joint.effort(), |(input, _)| input);
-            let mut plant = joint.model.plant(&joint.own(values), input)?;
-            let gain = self.gains.get(&record.name).and_then(|gains| gains.get(&joint.name));
-            if let Some((servo, gain)) = plant.servo.as_mut().zip(gain) {
-                servo.proportional *= gain;
-            }
-            Ok(plant)
-        };
-        let drives = self.joints.iter().map(plant).collect::<Result<Vec<Plant>, ModelError>>()?;
-        let damping = self.joints.iter().map(|joint| joint.damping).collect();
-        Ok(Machine::new(self.tree_at(values), drives, damping))
-    }
-
-    /// A wanted step, s, made short enough to follow what springs and transmissions do. One that yields evenly is taken implicitly:
-    /// what is faster than the model's own step shows leaves no trace in a joint's motion.
-    fn step_with(&self, wanted_s: f64, drives: &[Plant]) -> f64 {
-        let follow = |plant: &Plant| {
-            let least = if plant.laws.spring_is_linear() { self.step_s } else { OF_PLAY * self.step_s };
-            plant.step_following(wanted_s, least)
-        };
-        drives.iter().map(follow).fold(wanted_s, f64::min)
-    }
-
     /// The links with parameter values in place.
     pub(super) fn tree_at(&self, values: &[f64]) -> MovingBodies {
         let mut tree = self.tree.clone();
@@ -300,71 +266,11 @@ impl RobotModel {
     }
 
     /// Every channel that the robot's sensors can show.
-    fn find(&self, channel: &str) -> Option<(usize, Column)> {
+    pub(super) fn find(&self, channel: &str) -> Option<(usize, Column)> {
         let of = |(i, joint): (usize, &Joint)| {
             joint.columns().find(|c| joint.channel(*c) == channel).map(|c| (i, c))
         };
         self.joints.iter().enumerate().find_map(of)
-    }
-
-    fn sense(
-        &self,
-        machine: &Machine,
-        traces: &[JointTrace],
-        grid: &Grid,
-        time_s: &[f64],
-        channels: &[String],
-    ) -> Result<Prediction, ModelError> {
-        let mut outputs = Vec::with_capacity(channels.len());
-        for channel in channels {
-            let Some((i, column)) = self.find(channel) else {
-                return Err(ModelError::UnknownChannel { channel: channel.clone() });
-            };
-            let trace = &traces[i];
-            let (dense, scale, ahead_s) = match column {
-                Column::Position => (Cow::from(&trace.position), 1.0, 0.0),
-                Column::Speed => (Cow::from(&trace.speed), 1.0, 0.0),
-                Column::Motor => {
-                    (Cow::from(trace.rotor_position()), 1.0 / machine.drives[i].travel_per_rad, 0.0)
-                }
-                // It is known over steps, and stands at their ends.
-                Column::Effort => (Cow::from(&trace.load), 1.0, 0.5 * grid.step_s),
-                Column::Deflection => (Cow::from(trace.deflection()), 1.0, 0.0),
-                // The logger's torque is the deflection times the stiffness that it was told.
-                Column::SpringTorque => {
-                    (Cow::from(trace.deflection()), self.joints[i].model.spec().spring.stiffness(), 0.0)
-                }
-            };
-            let at_drive = self.joints[i].at_drive(column);
-            let stages: Vec<_> =
-                machine.drives[i].laws.sensor_stages.iter().filter(|s| s.concerns(at_drive)).collect();
-            let mut values = if stages.is_empty() {
-                sample(&dense, grid, time_s, ahead_s)
-            } else {
-                let mut dense = dense.into_owned();
-                stages.iter().for_each(|stage| stage.apply(&mut dense, grid.step_s));
-                sample(&dense, grid, time_s, ahead_s)
-            };
-            if scale != 1.0 {
-                values.iter_mut().for_each(|value| *value *= scale);
-            }
-            outputs.push(Signal { channel: channel.clone(), values });
-        }
-        let mut internals = Vec::with_capacity(6 * traces.len());
-        for (joint, trace) in self.joints.iter().zip(traces) {
-            for (name, dense) in [
-                (internal::SCREW_SPEED, trace.rotor_speed()),
-                (internal::SCREW_POSITION, trace.rotor_position()),
-                (internal::SCREW_FORCE, &trace.load),
-                (internal::MOTOR_FORCE, &trace.motor),
-                (internal::JOINT_ANGLE, &trace.position),
-                (internal::JOINT_SPEED, &trace.speed),
-            ] {
-                let channel = format!("{}.{name}", joint.name);
-                internals.push(Signal { channel, values: sample(dense, grid, time_s, 0.0) });
-            }
-        }
-        Ok(Prediction { outputs, internals, events: Vec::new() })
     }
 }
 
@@ -415,48 +321,18 @@ impl Model for RobotModel {
         record: &Record,
         channels: &[String],
     ) -> Result<Prediction, ModelError> {
-        if record.len() < 2 {
-            return Err(ModelError::BadParameter {
-                name: format!("number of rows of {}", record.name),
-                value: record.len() as f64,
-                admitted: "at least 2",
-            });
-        }
-        let machine = self.machine(values, record)?;
-        let period_s = record.mean_period_s();
-        let fewer = self.steps_per_sample.map_or(0.0, |n| search_step_without_springs(period_s, n));
-        let step_s = self.step_with(self.step_s.max(fewer), &machine.drives);
-        let grid = Grid::covering(&record.time_s, step_s);
-        let value =
-            |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
-        let told = command_times(record, value);
-        let fed = self.joints.iter().zip(&machine.drives).map(|(joint, plant)| {
-            Ok(match joint.command_in(record)? {
-                Some((_, command)) => {
-                    Fed::of(plant, record, (&told, command), |column| joint.beside(record, column), &grid)
-                }
-                None => Fed::default(),
-            })
-        });
-        let fed = fed.collect::<Result<Vec<Fed>, ModelError>>()?;
-        let feeds: Vec<Feed> = fed.iter().map(Fed::feed).collect();
-        let still = vec![(0.0, 0.0); self.joints.len()];
-        let start = self.starts.get(&record.name).unwrap_or(&still);
-        let names: Vec<String> = self.joints.iter().map(|j| j.name.clone()).collect();
-        let pulls = self.observed.as_ref().and_then(|observed| observed.pulls(record, &grid));
-        let course = Course { start, feeds: &feeds, pulls: pulls.as_deref(), grid };
-        let traces = machine.run(&course, &names)?;
-        let mut prediction = self.sense(&machine, &traces, &grid, &record.time_s, channels)?;
-        let shown = pulls.filter(|_| self.observed.as_ref().is_some_and(|o| o.shows_missing()));
-        if let Some(pulls) = shown {
-            for (joint, trace) in traces.iter().enumerate() {
-                let channel = format!("{}.{}rotor", names[joint], internal::MISSING);
-                let damping = machine.drives[joint].damping;
-                let values = pulls.missing(joint, trace, damping, &record.time_s, &grid);
-                prediction.internals.push(Signal { channel, values });
-            }
-        }
-        Ok(prediction)
+        let ran = self.ran(values, record)?;
+        let internals = self.internals(&ran, record);
+        Ok(Prediction { internals, ..self.outputs(&ran, record, channels)? })
+    }
+
+    fn predict_outputs(
+        &self,
+        values: &[f64],
+        record: &Record,
+        channels: &[String],
+    ) -> Result<Prediction, ModelError> {
+        self.outputs(&self.ran(values, record)?, record, channels)
     }
 
     fn is_dear(&self) -> bool {

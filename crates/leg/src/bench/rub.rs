@@ -46,6 +46,14 @@ impl Place {
         all[self.on] - self.against.map_or(0.0, |i| all[i])
     }
 
+    /// Adds a force here to those on all coordinates.
+    pub fn push(&self, force: f64, all: &mut [f64]) {
+        all[self.on] += force;
+        if let Some(i) = self.against {
+            all[i] -= force;
+        }
+    }
+
     /// Whether a force here holds a coordinate against the link before.
     pub fn holds(&self, coordinate: usize) -> bool {
         self.on == coordinate && self.against.is_none()
@@ -112,10 +120,10 @@ impl Machine {
         let place = &self.places[n];
         let (i, c) = (place.joint, place.on);
         let plant = &self.drives[i];
-        let (mobility, v) = (h * self.yielding(now, place, place), place.of_all(&now.v));
-        let beside = self.places.iter().zip(&now.friction).enumerate().filter(|(other, _)| *other != n);
-        let others: f64 =
-            beside.map(|(_, (other, friction))| self.yielding(now, place, other) * friction).sum();
+        let yielding = |by: usize| place.of_all(now.per_friction(by));
+        let (mobility, v) = (h * yielding(n), place.of_all(&now.v));
+        let beside = now.friction.iter().enumerate().filter(|(other, _)| *other != n);
+        let others: f64 = beside.map(|(other, friction)| yielding(other) * friction).sum();
         let after_free = v + h * (place.of_all(now.free.as_slice()) + others);
         let (position, load, warmer_k) = (now.mid_q[c], now.load[i], now.warmer_k[i]);
         let of = &mut now.rubbed[n];
@@ -136,21 +144,14 @@ impl Machine {
         of.dry + of.elastic()
     }
 
-    /// The acceleration at a place per force at another one, with the inverse of the matrix in place.
-    fn yielding(&self, now: &State, at: &Place, by: &Place) -> f64 {
-        let of = |row: usize| now.matrix[(row, by.on)] - by.against.map_or(0.0, |i| now.matrix[(row, i)]);
-        of(at.on) - at.against.map_or(0.0, of)
-    }
-
     /// Writes the accelerations under the frictions as they are, rad/s^2, and what passes from each drive to the links, N m.
     fn transmit(&self, now: &mut State) {
-        now.accelerated.copy_from_slice(now.free.as_slice());
-        for (place, friction) in self.places.iter().zip(&now.friction) {
-            for (i, a) in now.accelerated.iter_mut().enumerate() {
-                let by = |column: usize| now.matrix[(i, column)] * friction;
-                *a += by(place.on) - place.against.map_or(0.0, by);
-            }
+        let mut accelerated = std::mem::take(&mut now.accelerated);
+        accelerated.copy_from_slice(now.free.as_slice());
+        for (n, friction) in now.friction.iter().enumerate() {
+            accelerated.iter_mut().zip(now.per_friction(n)).for_each(|(a, by)| *a += by * friction);
         }
+        now.accelerated = accelerated;
         let (by, mass) = (&now.accelerated, &now.equations.mass);
         for (i, c) in self.rotor.iter().enumerate() {
             now.load[i] = if *c == i {

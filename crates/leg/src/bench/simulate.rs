@@ -10,7 +10,7 @@
 use super::observed::Pulls;
 use super::rub::{Place, Rubbed};
 use crate::dynamics::equations::{Equations, MovingBodies};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use sealegs_actuator::plant::{Feed, Grid, Loop, Past, Plant, SpringStep};
 use sealegs_model::ModelError;
 
@@ -114,9 +114,11 @@ pub(super) struct State {
     pub travelled: Vec<f64>,
     /// Mass matrix and bias forces of the joints.
     pub equations: Equations,
-    /// The matrix of the accelerations with all that is implicit; its inverse once the forces are known.
-    pub matrix: DMatrix<f64>,
+    /// The matrix of the accelerations with all that is implicit.
+    matrix: DMatrix<f64>,
     force: DVector<f64>,
+    /// Accelerations of all coordinates per unit of dry friction, a column for each place.
+    per_friction: DMatrix<f64>,
     /// Accelerations without dry friction, and with it.
     pub free: DVector<f64>,
     pub accelerated: Vec<f64>,
@@ -154,6 +156,7 @@ impl State {
             equations: machine.tree.equations(),
             matrix: DMatrix::zeros(count, count),
             force: DVector::zeros(count),
+            per_friction: DMatrix::zeros(count, machine.places.len()),
             free: DVector::zeros(count),
             accelerated: vec![0.0; count],
             motor: vec![0.0; n],
@@ -167,6 +170,12 @@ impl State {
             q,
             v,
         }
+    }
+
+    /// Accelerations of all coordinates per unit of dry friction at a place.
+    pub fn per_friction(&self, place: usize) -> &[f64] {
+        let count = self.q.len();
+        &self.per_friction.as_slice()[place * count..][..count]
     }
 }
 
@@ -200,8 +209,8 @@ impl Machine {
     ///
     /// # Errors
     ///
-    /// [`ModelError::NotFinite`] when a joint runs away, [`ModelError::BadParameter`] for a mass matrix that has no
-    /// inverse.
+    /// [`ModelError::NotFinite`] when a joint runs away, [`ModelError::BadParameter`] for a mass matrix that is not positive
+    /// definite.
     pub fn run(&self, course: &Course, names: &[String]) -> Result<Vec<JointTrace>, ModelError> {
         let mut now = State::of(self, course.start);
         let mut traces: Vec<JointTrace> = self
@@ -226,11 +235,10 @@ impl Machine {
             if let Some(pulls) = course.pulls {
                 self.pull(pulls, step, &mut now);
             }
-            if !now.matrix.try_inverse_mut() {
+            if !self.accelerate(&mut now) {
                 let (name, admitted) = ("mass matrix".to_owned(), "such that every joint moves some mass");
                 return Err(ModelError::BadParameter { name, value: 0.0, admitted });
             }
-            now.free.gemv(1.0, &now.matrix, &now.force, 0.0);
             self.rub(&mut now, course.grid.step_s);
             self.advance(&mut now, course.grid.step_s);
         }
@@ -299,6 +307,25 @@ impl Machine {
         let inertia = |i, j| self.inertia(equations, i, j);
         pulls.torques(step, (&now.mid_q[..n], &now.mid_v[..n]), inertia, &mut now.pulled);
         now.force.iter_mut().zip(&now.pulled).for_each(|(force, pull)| *force += pull);
+    }
+
+    /// The accelerations without dry friction, and what it adds to them at each place; whether the matrix is positive definite,
+    /// as that of bodies with mass is.
+    fn accelerate(&self, now: &mut State) -> bool {
+        // The factor takes the matrix's memory, and gives it back.
+        let matrix = std::mem::replace(&mut now.matrix, DMatrix::zeros(0, 0));
+        let Some(factor) = Cholesky::new(matrix) else { return false };
+        now.free.copy_from(&now.force);
+        factor.solve_mut(&mut now.free);
+        if !self.places.is_empty() {
+            now.per_friction.fill(0.0);
+            for (mut column, place) in now.per_friction.column_iter_mut().zip(&self.places) {
+                place.push(1.0, column.as_mut_slice());
+            }
+            factor.solve_mut(&mut now.per_friction);
+        }
+        now.matrix = factor.unpack_dirty();
+        true
     }
 
     /// Goes on to the end of the step with the accelerations that friction leaves.
