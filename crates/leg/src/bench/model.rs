@@ -23,7 +23,7 @@ const STEP_S: f64 = 5e-4;
 
 /// Free parameters beyond which a search does not look at everything: three joints with loops of their own have some 22, and
 /// with each joint come as many effects again.
-const MANY_PARAMETERS: usize = 30;
+const MANY_PARAMETERS: usize = 24;
 
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];

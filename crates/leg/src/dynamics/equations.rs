@@ -45,6 +45,8 @@ pub(crate) struct Equations {
     pub bias: Vec<f64>,
     /// World quantities of every body, kept between calls.
     at: Vec<At>,
+    /// By coordinate, kept between calls.
+    beyond: Vec<Beyond>,
     /// Coordinates that move a body, from its own to the base's, with the velocity of its centre of mass and its turning per
     /// unit of their speeds, world frame.
     columns: Vec<Vec<Column>>,
@@ -53,11 +55,26 @@ pub(crate) struct Equations {
 /// A coordinate with the velocity of a centre of mass and the turning per unit of its speed.
 pub(crate) type Column = (usize, Vector3<f64>, Vector3<f64>);
 
+/// The bodies that a coordinate moves, as one, and what it takes that none of them accelerates: all about the world's origin, where
+/// they add up.
+#[derive(Debug, Clone, Default)]
+struct Beyond {
+    mass_kg: f64,
+    /// Mass times the centre of mass, kg m.
+    moment: Vector3<f64>,
+    inertia: Matrix3<f64>,
+    force: Vector3<f64>,
+    torque: Vector3<f64>,
+}
+
 /// A body in the world.
 #[derive(Debug, Clone, Default)]
 struct At {
     pose: Isometry3<f64>,
     axis: Vector3<f64>,
+    /// Its turning per unit of its coordinate's speed, and the velocity of its point that is at the world's origin.
+    turns: Vector3<f64>,
+    at_origin: Vector3<f64>,
     joint: Vector3<f64>,
     com: Vector3<f64>,
     inertia: Matrix3<f64>,
@@ -140,6 +157,7 @@ impl MovingBodies {
             mass: DMatrix::zeros(n, n),
             bias: vec![0.0; n],
             at: vec![At::default(); n],
+            beyond: vec![Beyond::default(); n],
             columns: columns.collect(),
         }
     }
@@ -150,7 +168,7 @@ impl MovingBodies {
         self.set_in_motion(v, out);
     }
 
-    /// Writes where the bodies are and how each coordinate moves them.
+    /// Writes where the bodies are.
     pub fn place(&self, q: &[f64], out: &mut Equations) {
         for i in 0..self.bodies.len() {
             let body = &self.bodies[i];
@@ -170,40 +188,50 @@ impl MovingBodies {
             here.pose = parent * body.origin * moved;
             here.axis = here.pose.rotation * body.axis.into_inner();
             here.joint = here.pose.translation.vector;
+            (here.turns, here.at_origin) = if body.slides {
+                (Vector3::zeros(), here.axis)
+            } else {
+                (here.axis, here.joint.cross(&here.axis))
+            };
             let turn = here.pose.rotation.to_rotation_matrix();
             here.com = here.joint + turn * body.com;
             here.inertia = turn * body.inertia * turn.transpose();
         }
+    }
+
+    /// Writes how each coordinate moves the bodies, which were placed (see [`Equations::columns`]).
+    pub fn write_columns(&self, out: &mut Equations) {
         for (columns, own) in out.columns.iter_mut().zip(&out.at) {
             for (joint, linear, turning) in columns {
                 let at = &out.at[*joint];
-                (*linear, *turning) = if self.bodies[*joint].slides {
-                    (at.axis, Vector3::zeros())
-                } else {
-                    (at.axis.cross(&(own.com - at.joint)), at.axis)
-                };
+                (*linear, *turning) = (at.at_origin + at.turns.cross(&own.com), at.turns);
             }
         }
     }
 
-    /// Writes the equations of motion of bodies that were placed, at speeds `v`.
+    /// Writes the equations of motion of bodies that were placed, at speeds `v`: the composite-rigid-body algorithm (R. Featherstone
+    /// 2008, Rigid Body Dynamics Algorithms, section 6.2), and the inward half of the recursive Newton-Euler algorithm.
     pub fn set_in_motion(&self, v: &[f64], out: &mut Equations) {
         self.accelerate(v, &mut out.at);
-        out.mass.fill(0.0);
-        out.bias.fill(0.0);
-        for (k, columns) in out.columns.iter().enumerate() {
-            let (at, mass_kg) = (&out.at[k], self.bodies[k].mass_kg);
-            // Every pair of joints on the way from body k to the base moves it.
-            for (i, (joint, linear, turning)) in columns.iter().enumerate() {
-                out.bias[*joint] += linear.dot(&at.force) + turning.dot(&at.torque);
-                let momentum = (linear * mass_kg, at.inertia * turning);
-                for (other, linear, turning) in &columns[i..] {
-                    let m = linear.dot(&momentum.0) + turning.dot(&momentum.1);
-                    out.mass[(*joint, *other)] += m;
-                    if other != joint {
-                        out.mass[(*other, *joint)] += m;
-                    }
-                }
+        for ((beyond, at), body) in out.beyond.iter_mut().zip(&out.at).zip(&self.bodies) {
+            let (mass_kg, com) = (body.mass_kg, &at.com);
+            let moment = com * mass_kg;
+            let around = Matrix3::from_diagonal_element(com.dot(&moment)) - moment * com.transpose();
+            let (force, torque) = (at.force, at.torque + com.cross(&at.force));
+            *beyond = Beyond { mass_kg, moment, inertia: at.inertia + around, force, torque };
+        }
+        for i in (0..self.bodies.len()).rev() {
+            let (at, beyond) = (&out.at[i], &out.beyond[i]);
+            out.bias[i] = at.turns.dot(&beyond.torque) + at.at_origin.dot(&beyond.force);
+            let momentum = at.at_origin * beyond.mass_kg + at.turns.cross(&beyond.moment);
+            let turning = beyond.inertia * at.turns + beyond.moment.cross(&at.at_origin);
+            for j in std::iter::successors(Some(i), |&j| self.bodies[j].parent) {
+                let m = out.at[j].turns.dot(&turning) + out.at[j].at_origin.dot(&momentum);
+                (out.mass[(i, j)], out.mass[(j, i)]) = (m, m);
+            }
+            if let Some(parent) = self.bodies[i].parent {
+                let (inner, outer) = out.beyond.split_at_mut(i);
+                inner[parent].add(&outer[0]);
             }
         }
     }
@@ -252,9 +280,19 @@ impl Equations {
         &self.at[body].com
     }
 
-    /// The coordinates that move a body, and how.
+    /// The coordinates that move a body, and how, as [`MovingBodies::write_columns`] left them.
     pub fn columns(&self, body: usize) -> &[Column] {
         &self.columns[body]
+    }
+}
+
+impl Beyond {
+    fn add(&mut self, other: &Self) {
+        self.mass_kg += other.mass_kg;
+        self.moment += other.moment;
+        self.inertia += other.inertia;
+        self.force += other.force;
+        self.torque += other.torque;
     }
 }
 

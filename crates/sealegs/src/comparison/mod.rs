@@ -15,8 +15,8 @@ pub use text::of as text;
 
 use crate::Result;
 use crate::campaign_model::CampaignModel;
-use crate::diagnosis::bounds;
 use crate::diagnosis::outcome::parameters;
+use crate::diagnosis::{bounds, drift};
 use sealegs_model::Model;
 use sealegs_sysid::diagnose::fit_holding;
 use sealegs_sysid::frequency::{self, ChannelResponse};
@@ -24,7 +24,7 @@ use sealegs_sysid::locate::{Location, locate};
 use sealegs_sysid::nuisance::Sensor;
 use sealegs_sysid::sanity::{self, Finding};
 use sealegs_sysid::structure::{self, StructureTest};
-use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role};
+use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, residual};
 
 /// The runs of one role with both evaluations.
 pub struct Part<'a> {
@@ -172,7 +172,11 @@ impl<'a> Compared<'a> {
                 self.floor
             )
         };
-        first + &said
+        let left = residual::by_channel(&part.data, part.shown());
+        let left = left.iter().map(|error| (error.channel.as_str(), error.rms));
+        let astray =
+            drift::advice(self.campaign, part.role, left).map_or_else(String::new, |a| format!(" {a}"));
+        first + &said + &astray
     }
 }
 

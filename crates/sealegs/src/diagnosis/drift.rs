@@ -1,7 +1,7 @@
 //! What is said where a joint under a force drifts away from its log in open loop: cut into pieces that begin at the measured
 //! state, the same log tells what its forces are; and a robot's named model may have been fitted to such pieces.
 
-use super::outcome::{ChannelSaid, Side};
+use super::outcome::Side;
 use sealegs_model::Unit;
 use sealegs_sysid::campaign::Bench;
 use sealegs_sysid::{Campaign, Role, stats};
@@ -13,27 +13,33 @@ const ASTRAY: f64 = 0.2;
 /// Pieces that the longest run is proposed to be cut into, and the shortest one, s.
 const PIECES: (f64, f64) = (10.0, 0.5);
 
-/// A sentence for the channel that is furthest astray, if one is, of errors on the held-out runs.
-pub(super) fn advice(campaign: &Campaign, left: &[ChannelSaid]) -> Option<String> {
+/// A sentence for the channel that is furthest astray, if one is, of the root mean square errors by channel on the runs of a role, in
+/// the channels' units.
+pub(crate) fn advice<'a>(
+    campaign: &Campaign,
+    role: Role,
+    left: impl IntoIterator<Item = (&'a str, f64)>,
+) -> Option<String> {
     if !matches!(campaign.bench, Bench::Free | Bench::Robot) {
         return None;
     }
-    let astray = |said: &ChannelSaid| {
-        let is_position = matches!(Unit::of_channel(&said.channel), Ok(Unit::Metre | Unit::Radian));
-        let runs = campaign.runs_of(Role::Holdout);
-        let values = runs.filter_map(|run| Some(&run.record.output(&said.channel)?[run.scored.clone()]));
+    let astray = |(channel, rms): (&'a str, f64)| {
+        let is_position = matches!(Unit::of_channel(channel), Ok(Unit::Metre | Unit::Radian));
+        let runs = campaign.runs_of(role);
+        let values = runs.filter_map(|run| Some(&run.record.output(channel)?[run.scored.clone()]));
         let motion = stats::std(&values.flatten().copied().collect::<Vec<f64>>());
-        (is_position && motion > 0.0).then(|| said.holdout_rms / motion)
+        (is_position && motion > 0.0).then(|| (channel, rms / motion))
     };
-    let furthest = left.iter().filter_map(|said| Some((said, astray(said)?)));
-    let (said, share) = furthest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share > ASTRAY)?;
+    let furthest = left.into_iter().filter_map(astray);
+    let (channel, share) =
+        furthest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share > ASTRAY)?;
     let longest = campaign.runs_of(Role::Fit).map(|run| run.record.duration_s()).fold(0.0, f64::max);
     let piece = (longest / PIECES.0).max(PIECES.1);
     Some(format!(
         "In open loop the model goes astray: it leaves {:.0} % of what {} does. `window_s = {piece:.1}` in the campaign cuts \
          its runs into pieces that each begin at the measured state.",
         100.0 * share,
-        said.channel
+        channel
     ))
 }
 
@@ -67,18 +73,12 @@ mod tests {
             let built = Campaign::builder("lift", bench, "rigid-linear").run(run("fit")).run(run("held out"));
             built.build().expect("a campaign")
         };
-        let left = |rms: f64| ChannelSaid {
-            channel: "position_m".to_owned(),
-            unit: "m".to_owned(),
-            holdout_rms: rms,
-            holdout_mean_absolute: rms,
-            holdout_error: 1.0,
-        };
+        let left = |rms: f64| ("position_m", rms);
         // The standard deviation of a sine is its amplitude over the root of 2: 71 mm.
-        let said = advice(&on(Bench::Free), &[left(0.0354)]).expect("half of it is left");
+        let said = advice(&on(Bench::Free), Role::Holdout, [left(0.0354)]).expect("half of it is left");
         assert!(said.contains("leaves 50 %") && said.contains("window_s = 2.0"), "{said}");
-        assert_eq!(advice(&on(Bench::Free), &[left(0.01)]), None);
-        assert_eq!(advice(&on(Bench::Locked), &[left(0.0354)]), None);
+        assert_eq!(advice(&on(Bench::Free), Role::Holdout, [left(0.01)]), None);
+        assert_eq!(advice(&on(Bench::Locked), Role::Holdout, [left(0.0354)]), None);
     }
 
     #[test]

@@ -4,7 +4,7 @@ pub mod addition;
 mod better;
 pub(crate) mod bounds;
 pub mod confidence;
-mod drift;
+pub(crate) mod drift;
 mod figures;
 mod friction;
 mod headline;

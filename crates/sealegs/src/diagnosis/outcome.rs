@@ -393,7 +393,8 @@ impl Outcome {
         };
         if matches!(verdict.kind, VerdictKind::PartlyExplained | VerdictKind::Unexplained) {
             let left = &outcome.after.as_ref().unwrap_or(&outcome.base).channels;
-            let advice = super::drift::advice(campaign, left);
+            let left = left.iter().map(|said| (said.channel.as_str(), said.holdout_rms));
+            let advice = super::drift::advice(campaign, Role::Holdout, left);
             // Only a robot's runs are fitted in pieces.
             let after = outcome.after.as_ref().filter(|_| matches!(campaign.bench, Bench::Robot));
             let fitted = after.and_then(|after| super::drift::fitted(&outcome.base, after));

@@ -78,7 +78,7 @@ impl Candidate {
     /// Fitted values by the parameters' names.
     #[must_use]
     pub fn known(&self) -> Vec<(String, f64)> {
-        self.named(&self.fit.values)
+        self.fit.known()
     }
 
     /// Values of its model by the parameters' names.

@@ -3,7 +3,8 @@
 
 use super::Candidate;
 use super::compare::is_seen;
-use super::policy::{FOLLOWERS, FOLLOWERS_DEAR, LEADERS, RIVAL_COST};
+use super::horizon::Derivatives;
+use super::policy::{ALIKE_COST, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, RIVAL_COST};
 use super::refine::Models;
 use super::screen::{Known, Plan};
 use super::search::{Observed, Search};
@@ -42,9 +43,8 @@ impl Search<'_> {
         if let Some(beside) = beside {
             self.observed.extend(ranked.iter().filter_map(|(set, _, fit)| {
                 let fit = fit.as_ref()?;
-                let known = fit.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
                 let gains = is_seen(&beside.fit, fit);
-                Some(Observed { effects: set.clone(), cost: fit.cost, known, gains })
+                Some(Observed { effects: set.clone(), cost: fit.cost, known: fit.known(), gains })
             }));
         }
         let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
@@ -71,7 +71,7 @@ impl Search<'_> {
         if let (true, [lead], [(.., Some(seen)), ..]) = (models.dear, &mut fitted[..], &ranked[..])
             && !models.is_settled(lead, &self.tried[0])
         {
-            let longer = models.through_beginnings(lead, lead.model.as_ref(), seen, false);
+            let longer = models.through_beginnings(lead, lead.model.as_ref(), seen, Derivatives::Corrected);
             *lead = longer.filter(|longer| longer.fit.cost < lead.fit.cost).unwrap_or_else(|| lead.clone());
         }
         let chose = self.choose_again(&mut fitted);
@@ -90,7 +90,9 @@ impl Search<'_> {
         if settled {
             rest.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
         } else {
-            rest.truncate(if self.models.dear { FOLLOWERS_DEAR } else { FOLLOWERS } as usize);
+            let most = if self.models.dear { FOLLOWERS_DEAR } else { FOLLOWERS } as usize;
+            let alike = rest.iter().filter(|(.., fit)| cost(fit) <= ALIKE_COST * least).count();
+            rest.truncate(most.max(alike));
         }
         let mut rest = wave(&near, &rest);
         if chose && settled {

@@ -6,7 +6,6 @@
 
 use super::policy::{EXPLAINED, HORIZON_STEPS};
 use super::refine::{Models, finishing};
-use super::screen::Known;
 use super::{Candidate, values_by_name};
 use crate::data::{Data, DataRun};
 use crate::fit::{self, Fit, FitOptions};
@@ -19,26 +18,34 @@ const SHARES: [f64; 4] = [0.125, 0.25, 0.5, 0.7];
 /// Share up to which a step's own gain corrects derivatives well enough.
 const RUGGED_FROM: f64 = 0.5;
 
+/// The derivatives that a fit of beginnings takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Derivatives {
+    /// Once, corrected by what each step gains.
+    Corrected,
+    /// The same as long as the error is smooth, and anew at every step of the longer beginnings.
+    AnewWhereRugged,
+}
+
 impl Models<'_> {
     /// A set fitted to ever longer beginnings of all runs, and to whole runs at last, from its values under an observer: there
     /// play has the width that it has, and in open loop it rattles, so that no fit of whole runs leads from one width to
     /// another. `None` where the observer leaves something, too, so that no values explain the runs, or nothing can be
-    /// simulated. `last` is for a fit with the model itself, by derivatives of its own at every
-    /// step where the error is rugged.
+    /// simulated.
     pub(super) fn through_beginnings(
         &self,
         set: &Candidate,
         model: &dyn Model,
         observed: &Fit,
-        last: bool,
+        derivatives: Derivatives,
     ) -> Option<Candidate> {
         if observed.error() > EXPLAINED * self.data.floor {
             return None;
         }
-        let known: Known = observed.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
         let options = |start, share: f64| {
             let options = finishing(self.options(model, start, set));
-            FitOptions { columns: None, secants: !last || share <= RUGGED_FROM, ..options }
+            let corrected = derivatives == Derivatives::Corrected || share <= RUGGED_FROM;
+            FitOptions { columns: None, secants: corrected, ..options }
         };
         let through = |start: Vec<f64>, share: f64| {
             let records = beginnings(self.data, share);
@@ -48,7 +55,7 @@ impl Models<'_> {
             self.data.add_work(&data);
             fit.map_or(start, |fit| fit.values)
         };
-        let start = SHARES.into_iter().fold(values_by_name(model, &known), through);
+        let start = SHARES.into_iter().fold(values_by_name(model, &observed.known()), through);
         Candidate::fitted(self.data, set.effects.clone(), model.clone_box(), &options(start, 1.0)).ok()
     }
 }
@@ -79,7 +86,7 @@ fn of_beginnings<'a>(data: &Data<'a>, records: &'a [Record]) -> Data<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::{beginnings, of_beginnings};
+    use super::{Derivatives, beginnings, of_beginnings};
     use crate::Role;
     use crate::data::Data;
     use crate::diagnose::{Candidate, Models};
@@ -112,7 +119,8 @@ mod tests {
         let mut observed = fit(&data, &toy, &FitOptions::default()).expect("a fit");
         let set = Candidate::exactly(&data, Vec::new(), Box::new(Toy::new()), observed.clone());
         observed.parameters.iter_mut().for_each(|p| p.value *= 1.1);
-        let again = models.through_beginnings(&set, &toy, &observed, true).expect("a fit");
+        let again =
+            models.through_beginnings(&set, &toy, &observed, Derivatives::AnewWhereRugged).expect("a fit");
         // A step that gains less than two standard errors ends a fit of a search.
         let stds = set.fit.parameters.iter().map(|p| p.std);
         let off =
@@ -120,6 +128,6 @@ mod tests {
         let most = off.fold(0.0, f64::max);
         assert!(most < 2.0, "{most}");
         observed.evaluation.rms *= 2.0;
-        assert!(models.through_beginnings(&set, &toy, &observed, true).is_none());
+        assert!(models.through_beginnings(&set, &toy, &observed, Derivatives::Corrected).is_none());
     }
 }

@@ -1,6 +1,7 @@
 //! The last fit of a set: with the model itself, and derivatives that are good enough for standard errors.
 
 use super::candidate::within_half_a_period;
+use super::horizon::Derivatives;
 use super::policy::{
     DEAR_STEPS, FAR_FROM_KNOWN, FREED_ROUNDS, HALF_STEPS, NEAR_FLOOR, NOTHING_MORE, WORTH_SQUARED_NOISE,
 };
@@ -93,7 +94,8 @@ impl Models<'_> {
             return fit;
         }
         let observed = self.observing(set, &with_nominal_base(self.exact, &set.known()));
-        let again = observed.and_then(|o| self.through_beginnings(set, model, &o.fit, true));
+        let again =
+            observed.and_then(|o| self.through_beginnings(set, model, &o.fit, Derivatives::AnewWhereRugged));
         again.map(|again| again.fit).filter(|again| again.cost < fit.cost).unwrap_or(fit)
     }
 

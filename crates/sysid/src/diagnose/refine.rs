@@ -51,8 +51,8 @@ pub struct Models<'a> {
     pub(super) before: Arc<Mutex<Vec<ObservedBefore>>>,
 }
 
-/// A set's start under the observer, and what came of it.
-pub(super) type ObservedBefore = (Vec<String>, Vec<f64>, Option<Candidate>);
+/// A set, its start under the observer, the most steps and what was held; and what came of it.
+pub(super) type ObservedBefore = ((Vec<String>, Vec<f64>, usize, Vec<String>), Option<Candidate>);
 
 pub(super) fn records_of<'a>(data: &Data<'a>) -> Vec<&'a Record> {
     data.runs.iter().map(|r| r.record).collect()
@@ -153,16 +153,7 @@ impl<'a> Models<'a> {
     /// that the base parameters could still take. `None` where there is no observer.
     #[must_use]
     pub fn observing(&self, candidate: &Candidate, known: &Known) -> Option<Candidate> {
-        let model = with_effects(self.observed.as_deref()?, &candidate.effects, &self.seen).ok()?;
-        let start = values_by_name(model.as_ref(), known);
-        let known_fits = || self.before.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_same = |(effects, from, _): &&ObservedBefore| *effects == candidate.effects && *from == start;
-        if let Some((.., fitted)) = known_fits().iter().find(is_same) {
-            return fitted.clone();
-        }
-        let fitted = self.observed_for(candidate, known, OBSERVED_STEPS as usize, &[]);
-        known_fits().push((candidate.effects.clone(), start, fitted.clone()));
-        fitted
+        self.observed_for(candidate, known, OBSERVED_STEPS as usize, &[])
     }
 
     /// A candidate under the observer as its maker states it, or fitted where nothing is known of a base parameter: what is
@@ -179,6 +170,8 @@ impl<'a> Models<'a> {
         self.observed_for(candidate, known, if more { RACE_STEPS as usize } else { 0 }, &stated)
     }
 
+    /// A candidate under the observer after so many steps at most from values by name, with some of them held; as it was found
+    /// before, where that was asked for already.
     fn observed_for(
         &self,
         candidate: &Candidate,
@@ -189,11 +182,18 @@ impl<'a> Models<'a> {
         let observed = self.observed.as_deref()?;
         let model = with_effects(observed, &candidate.effects, &self.seen).ok()?;
         let start = values_by_name(model.as_ref(), known);
+        let asked = (candidate.effects.clone(), start.clone(), steps, held.to_vec());
+        let before = || self.before.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, fitted)) = before().iter().find(|(known, _)| *known == asked) {
+            return fitted.clone();
+        }
         let usual = under_observer(self.options(model.as_ref(), start, candidate));
         let held = usual.held.iter().chain(held).cloned().collect();
         let options = FitOptions { max_steps: steps, tolerance: ROUGH_TOLERANCE, held, ..usual };
-        let fit = fit::fit(self.data, model.as_ref(), &options).ok()?;
-        Some(Candidate { model, fit, ..candidate.clone() })
+        let fit = fit::fit(self.data, model.as_ref(), &options).ok();
+        let fitted = fit.map(|fit| Candidate { model, fit, ..candidate.clone() });
+        before().push((asked, fitted.clone()));
+        fitted
     }
 
     /// Sets fitted from values by name under the observer, each from where it leaves least: beside the base model's nominal
@@ -266,11 +266,9 @@ impl<'a> Models<'a> {
         if let Some(observed) = observed {
             // The effects as the observer has them, beside the base model as it is nearby.
             let nearby = near.known().into_iter().filter(|(name, _)| !name.contains('.'));
-            let seen = observed.parameters.iter().map(|p| (p.name.clone(), p.value));
-            let mixed: Known = nearby.chain(seen).collect();
+            let mixed: Known = nearby.chain(observed.known()).collect();
             starts.push(values_by_name(model.as_ref(), &mixed));
-            let own: Known = observed.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
-            starts.push(values_by_name(model.as_ref(), &own));
+            starts.push(values_by_name(model.as_ref(), &observed.known()));
         }
         let cost =
             |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);
@@ -344,7 +342,7 @@ pub(super) fn finishing(options: FitOptions) -> FitOptions {
     }
 }
 
-/// Derivatives in open loop are others than those under the observer, where simulations are cheap on a leg, too.
+/// Derivatives in open loop are others than those under the observer, where a fit takes few steps: it can afford its own.
 fn under_observer(options: FitOptions) -> FitOptions {
     FitOptions { columns: None, difference: Difference::Forward, ..options }
 }

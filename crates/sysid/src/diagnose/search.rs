@@ -300,8 +300,8 @@ impl Search<'_> {
     }
 
     /// Goes on with the model's own steps where the search's make a good part of what a set leaves: further effects would
-    /// explain the error of the steps. Where simulations are dear they are the model's own already: returns then whether the
-    /// set grows no further.
+    /// explain the error of the steps. Returns whether the set grows no further for them: where a simulation is dear, the
+    /// model's own steps are left to the last fit.
     fn refine_steps(&mut self, index: usize) -> bool {
         let (set, floor) = (&self.tried[index], self.models.data.floor);
         let left = excess(set.fit.error(), floor);

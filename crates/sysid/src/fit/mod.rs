@@ -187,6 +187,12 @@ impl Fit {
         self.evaluation.rms
     }
 
+    /// Values by the parameters' names.
+    #[must_use]
+    pub fn known(&self) -> Vec<(String, f64)> {
+        self.parameters.iter().map(|p| (p.name.clone(), p.value)).collect()
+    }
+
     /// Values where each free parameter's coordinate is moved by so much, inside its bounds and no further than a search
     /// goes at once.
     pub(crate) fn shifted(&self, model: &dyn Model, shift: &[f64]) -> Vec<f64> {

@@ -50,6 +50,7 @@ impl Recursive {
 
     fn place(&mut self) {
         self.bodies.place(&self.q, &mut self.equations);
+        self.bodies.write_columns(&mut self.equations);
         for (body, jacobian) in self.jacobians.iter_mut().skip(self.fixed).enumerate() {
             for (column, linear, turning) in self.equations.columns(body) {
                 jacobian.fixed_view_mut::<3, 1>(0, *column).copy_from(linear);
