@@ -12,7 +12,7 @@ use sealegs_actuator::bench::{LONGEST_S, Start, rows_within, start_of};
 use sealegs_model::{ModelError, Record};
 use std::sync::Arc;
 
-/// Steps of Gauss and Newton; the motion of a few rows is nearly linear in its start.
+/// Steps of Gauss and Newton, and corrections beside a loop; the motion of a few rows is nearly linear in its start.
 const STEPS: usize = 2;
 
 /// Standard deviations that a start stays within of what its rows tell: where the model is wrong, noise that is far smaller
@@ -84,6 +84,9 @@ impl Begin {
                 unknown.extend([(false, value_std), (true, slope_std)].map(of));
             }
         }
+        if robot.has_loop(&[record]) {
+            return Self::known(corrected(record, robot, at));
+        }
         let rows = record.at_rows(0..rows.min(rows_within(&record.time_s, LONGEST_S)));
         let rough = (!unknown.is_empty()).then(|| Rough::of(rows, &at, measured, unknown, robot)).flatten();
         Self { at, rough: rough.map(Arc::new) }
@@ -109,6 +112,26 @@ impl Begin {
         }
         Ok(rough.moved(&self.at, &off))
     }
+}
+
+/// A start of a run whose joints follow goals by loops of their own, corrected by what its first rows show beside the motion of the
+/// robot without effects: the loop brings both together, so that what is left is slow and more rows tell it.
+fn corrected(record: &Record, robot: &RobotModel, mut at: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let first = record.at_rows(0..rows_within(&record.time_s, LONGEST_S));
+    let places = robot.positions().into_iter().enumerate();
+    let (joints, channels): (Vec<usize>, Vec<String>) =
+        places.filter(|(_, place)| first.output(place).is_some()).unzip();
+    for _ in 0..STEPS {
+        // What cannot be simulated is said when it is to be compared.
+        let Ok(shown) = robot.shown_from(&robot.nominal(), &first, &at, &channels) else { break };
+        for ((joint, channel), shown) in joints.iter().zip(&channels).zip(shown) {
+            let seen = first.output(channel).unwrap_or_default();
+            let left: Vec<f64> = seen.iter().zip(shown).map(|(seen, shown)| seen - shown).collect();
+            let start = start_of(&first.time_s, &left);
+            at[*joint] = (at[*joint].0 + start.value, at[*joint].1 + start.slope);
+        }
+    }
+    at
 }
 
 impl Rough {
