@@ -128,16 +128,22 @@ fn reference_a_double_pendulum_that_begins_in_motion() {
     assert!(error(5e-4) < 0.5 * error(1e-3) + 2e-4, "{} {}", error(5e-4), error(1e-3));
 }
 
-#[test]
-fn reference_friction_at_both_joints_and_an_offset() {
-    let (folder, record) = (folder(), record());
-    let mut model = model(folder.path()).for_records(&[&record]);
+/// The model of a record with friction of 0.2 and 0.1 N m at the joints and an offset of 0.15 N m at the elbow, and its values.
+fn with_friction_and_offset(folder: &Path, record: &Record) -> (RobotModel, Vec<f64>) {
+    let mut model = model(folder).for_records(&[record]);
     for id in ["shoulder/coulomb-friction", "elbow/coulomb-friction", "elbow/output-offset"] {
         model = model.including(id, &seen()).unwrap_or_else(|e| panic!("{e}"));
     }
     let mut all = values(&model);
     let first = all.len() - 3;
     all[first..].copy_from_slice(&[0.2, 0.1, 0.15]);
+    (model, all)
+}
+
+#[test]
+fn reference_friction_at_both_joints_and_an_offset() {
+    let (folder, record) = (folder(), record());
+    let (model, all) = with_friction_and_offset(folder.path(), &record);
     let truth = reference([0.2, 0.1], 0.15);
     let got = model.predict(&all, &record, &channels()).expect("finite");
     for (joint, truth) in truth.iter().enumerate() {
@@ -193,13 +199,7 @@ fn reference_a_noisy_start_is_met_by_the_motion_under_friction() {
         let noisy = |(angle, n): (&f64, i64)| angle + 1e-3 * gaussian(joint as u64 + 1, n);
         output.values = truth.iter().zip(0..).map(noisy).collect();
     }
-    let mut model = model(folder.path()).for_records(&[&record]);
-    for id in ["shoulder/coulomb-friction", "elbow/coulomb-friction", "elbow/output-offset"] {
-        model = model.including(id, &seen()).unwrap_or_else(|e| panic!("{e}"));
-    }
-    let mut all = values(&model);
-    let first = all.len() - 3;
-    all[first..].copy_from_slice(&[0.2, 0.1, 0.15]);
+    let (model, all) = with_friction_and_offset(folder.path(), &record);
     let off = |model: &RobotModel| {
         let got = model.predict(&all, &record, &channels()).expect("finite");
         farthest(&got.outputs[0].values, &truth[0]).max(farthest(&got.outputs[1].values, &truth[1]))

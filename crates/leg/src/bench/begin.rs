@@ -27,12 +27,19 @@ pub(super) struct Begin {
     rough: Option<Arc<Rough>>,
 }
 
+/// The first rows of a record.
+#[derive(Debug)]
+struct FirstRows {
+    rows: Record,
+    /// The joints' positions that were measured there, with the standard deviation of their noise.
+    channels: Vec<String>,
+    noise: Vec<f64>,
+}
+
 /// First rows that tell a start only roughly.
 #[derive(Debug)]
 struct Rough {
-    rows: Record,
-    /// What was measured there, and its standard deviation.
-    measured: Vec<(String, f64)>,
+    first: FirstRows,
     unknown: Vec<Unknown>,
     /// Change of the first rows (row by row, column by column, over the noise) per standard deviation of what is unknown.
     slopes: DMatrix<f64>,
@@ -64,7 +71,7 @@ impl Begin {
     /// The start of a record: every joint's as its first rows say, the position alone zero where it was not logged.
     pub fn of(record: &Record, robot: &RobotModel) -> Self {
         let mut at = Vec::new();
-        let (mut measured, mut unknown, mut rows) = (Vec::new(), Vec::new(), 0);
+        let (mut channels, mut noises, mut unknown, mut rows) = (Vec::new(), Vec::new(), Vec::new(), 0);
         for (joint, of) in robot.joints.iter().enumerate() {
             let channel = of.channel(Column::Position);
             let start = |channel: &str| record.output(channel).map(|values| start_of(&record.time_s, values));
@@ -75,7 +82,8 @@ impl Begin {
             let Start { value, slope, value_std, slope_std, noise, .. } = start;
             at.push((value, slope));
             if noise > 0.0 {
-                measured.push((channel, noise));
+                channels.push(channel);
+                noises.push(noise);
                 rows = rows.max(start.rows);
             }
             // One at rest is known well.
@@ -88,29 +96,9 @@ impl Begin {
             return Self::known(corrected(record, robot, at));
         }
         let rows = record.at_rows(0..rows.min(rows_within(&record.time_s, LONGEST_S)));
-        let rough = (!unknown.is_empty()).then(|| Rough::of(rows, &at, measured, unknown, robot)).flatten();
+        let first = FirstRows { rows, channels, noise: noises };
+        let rough = (!unknown.is_empty()).then(|| Rough::of(first, &at, unknown, robot)).flatten();
         Self { at, rough: rough.map(Arc::new) }
-    }
-
-    /// Position and speed of every joint from which a motion meets the first rows best; `shown` is what is seen of these rows,
-    /// column by column, from a start.
-    ///
-    /// # Errors
-    ///
-    /// Those of `shown`.
-    fn met(
-        &self,
-        shown: impl Fn(&Record, &[(f64, f64)], &[String]) -> Result<Vec<Vec<f64>>, ModelError>,
-    ) -> Result<Vec<(f64, f64)>, ModelError> {
-        let Some(rough) = &self.rough else { return Ok(self.at.clone()) };
-        let channels: Vec<String> = rough.measured.iter().map(|(channel, _)| channel.clone()).collect();
-        let mut off = DVector::zeros(rough.unknown.len());
-        for _ in 0..STEPS {
-            let left = rough.left(&shown(&rough.rows, &rough.moved(&self.at, &off), &channels)?);
-            off += rough.factor.solve(&(rough.slopes.tr_mul(&left) - &off));
-            off.apply(|x| *x = x.clamp(-LIMIT, LIMIT));
-        }
-        Ok(rough.moved(&self.at, &off))
     }
 }
 
@@ -134,44 +122,36 @@ fn corrected(record: &Record, robot: &RobotModel, mut at: Vec<(f64, f64)>) -> Ve
     at
 }
 
-impl Rough {
-    /// `None` where the robot as it is stated cannot be simulated over these rows.
-    fn of(
-        rows: Record,
-        at: &[(f64, f64)],
-        measured: Vec<(String, f64)>,
-        unknown: Vec<Unknown>,
+impl FirstRows {
+    /// What a motion from a start leaves of the measured rows, over the noise.
+    fn left(
+        &self,
         robot: &RobotModel,
-    ) -> Option<Self> {
-        let (values, channels) =
-            (robot.nominal(), measured.iter().map(|(channel, _)| channel.clone()).collect::<Vec<_>>());
-        let count = unknown.len();
-        let factor = Cholesky::new(DMatrix::identity(count, count))?;
-        let mut rough = Self { rows, measured, unknown, slopes: DMatrix::zeros(0, count), factor };
-        let left = |start: &[(f64, f64)]| {
-            let shown = robot.shown_from(&values, &rough.rows, start, &channels).ok()?;
-            Some(rough.left(&shown))
-        };
-        let before = left(at)?;
-        let slope = |of: &Unknown| {
-            let mut moved = at.to_vec();
-            of.moves(&mut moved, 1.0);
-            Some(&before - left(&moved)?)
-        };
-        let columns = rough.unknown.iter().map(slope).collect::<Option<Vec<_>>>()?;
-        let slopes = DMatrix::from_columns(&columns);
-        rough.factor = Cholesky::new(slopes.tr_mul(&slopes) + DMatrix::identity(count, count))?;
-        rough.slopes = slopes;
-        Some(rough)
-    }
-
-    /// What is left of the measured rows, over the noise.
-    fn left(&self, shown: &[Vec<f64>]) -> DVector<f64> {
-        let of = |((channel, noise), shown): (&(String, f64), &Vec<f64>)| {
+        values: &[f64],
+        start: &[(f64, f64)],
+    ) -> Result<DVector<f64>, ModelError> {
+        let shown = robot.shown_from(values, &self.rows, start, &self.channels)?;
+        let of = |((channel, noise), shown): ((&String, &f64), &Vec<f64>)| {
             let seen = self.rows.output(channel).unwrap_or_default();
             seen.iter().zip(shown).map(|(seen, shown)| (seen - shown) / noise).collect::<Vec<_>>()
         };
-        DVector::from_vec(self.measured.iter().zip(shown).flat_map(of).collect())
+        Ok(DVector::from_vec(self.channels.iter().zip(&self.noise).zip(&shown).flat_map(of).collect()))
+    }
+}
+
+impl Rough {
+    /// `None` where the robot as it is stated cannot be simulated over these rows.
+    fn of(first: FirstRows, at: &[(f64, f64)], unknown: Vec<Unknown>, robot: &RobotModel) -> Option<Self> {
+        let values = robot.nominal();
+        let before = first.left(robot, &values, at).ok()?;
+        let slope = |of: &Unknown| {
+            let mut moved = at.to_vec();
+            of.moves(&mut moved, 1.0);
+            Some(&before - first.left(robot, &values, &moved).ok()?)
+        };
+        let slopes = DMatrix::from_columns(&unknown.iter().map(slope).collect::<Option<Vec<_>>>()?);
+        let factor = Cholesky::new(slopes.tr_mul(&slopes) + DMatrix::identity(unknown.len(), unknown.len()))?;
+        Some(Self { first, unknown, slopes, factor })
     }
 
     /// A start that is so many standard deviations off.
@@ -202,10 +182,18 @@ impl RobotModel {
     ///
     /// As [`RobotModel::ran_from`].
     pub(super) fn start(&self, values: &[f64], record: &Record) -> Result<Vec<(f64, f64)>, ModelError> {
-        match self.starts.get(&record.name) {
-            None => Ok(vec![(0.0, 0.0); self.joints.len()]),
-            Some(begin) if self.observed.is_some() => Ok(begin.at.clone()),
-            Some(begin) => begin.met(|rows, start, channels| self.shown_from(values, rows, start, channels)),
+        let Some(begin) = self.starts.get(&record.name) else {
+            return Ok(vec![(0.0, 0.0); self.joints.len()]);
+        };
+        let Some(rough) = begin.rough.as_ref().filter(|_| self.observed.is_none()) else {
+            return Ok(begin.at.clone());
+        };
+        let mut off = DVector::zeros(rough.unknown.len());
+        for _ in 0..STEPS {
+            let left = rough.first.left(self, values, &rough.moved(&begin.at, &off))?;
+            off += rough.factor.solve(&(rough.slopes.tr_mul(&left) - &off));
+            off.apply(|x| *x = x.clamp(-LIMIT, LIMIT));
         }
+        Ok(rough.moved(&begin.at, &off))
     }
 }

@@ -9,8 +9,8 @@
 
 use super::observed::Pulls;
 use super::rub::{Place, Rubbed};
-use crate::dynamics::equations::{Equations, MovingBodies};
-use nalgebra::{Cholesky, DMatrix, DVector};
+use crate::dynamics::equations::{Equations, MovingBodies, solve_with};
+use nalgebra::{DMatrix, DVector};
 use sealegs_actuator::plant::{Feed, Grid, Loop, Past, Plant, SpringStep};
 use sealegs_model::ModelError;
 
@@ -309,23 +309,18 @@ impl Machine {
         now.force.iter_mut().zip(&now.pulled).for_each(|(force, pull)| *force += pull);
     }
 
-    /// The accelerations without dry friction, and what it adds to them at each place; whether the matrix is positive definite,
-    /// as that of bodies with mass is.
+    /// The accelerations without dry friction, and what it adds to them at each place; as [`solve_with`].
     fn accelerate(&self, now: &mut State) -> bool {
-        // The factor takes the matrix's memory, and gives it back.
-        let matrix = std::mem::replace(&mut now.matrix, DMatrix::zeros(0, 0));
-        let Some(factor) = Cholesky::new(matrix) else { return false };
-        now.free.copy_from(&now.force);
-        factor.solve_mut(&mut now.free);
-        if !self.places.is_empty() {
-            now.per_friction.fill(0.0);
-            for (mut column, place) in now.per_friction.column_iter_mut().zip(&self.places) {
-                place.push(1.0, column.as_mut_slice());
-            }
-            factor.solve_mut(&mut now.per_friction);
+        let State { matrix, force, free, per_friction, .. } = now;
+        free.copy_from(force);
+        per_friction.fill(0.0);
+        for (mut column, place) in per_friction.column_iter_mut().zip(&self.places) {
+            place.push(1.0, column.as_mut_slice());
         }
-        now.matrix = factor.unpack_dirty();
-        true
+        solve_with(matrix, |factor| {
+            factor.solve_mut(free);
+            factor.solve_mut(per_friction);
+        })
     }
 
     /// Goes on to the end of the step with the accelerations that friction leaves.

@@ -5,7 +5,7 @@
 
 use super::tree::Tree;
 use crate::robot::{Inertial, Robot};
-use nalgebra::{DMatrix, Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Cholesky, DMatrix, Dyn, Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// Gravitational acceleration on a bench, m/s^2.
 const GRAVITY_M_S2: f64 = 9.81;
@@ -267,6 +267,15 @@ impl MovingBodies {
             here.torque = here.inertia * here.turning_rate + w.cross(&(here.inertia * w));
         }
     }
+}
+
+/// Solves with the Cholesky factor of a matrix, which is used up and keeps its memory; whether the matrix is positive definite, as
+/// that of bodies with mass is.
+pub(crate) fn solve_with(matrix: &mut DMatrix<f64>, solve: impl FnOnce(&Cholesky<f64, Dyn>)) -> bool {
+    let Some(factor) = Cholesky::new(std::mem::take(matrix)) else { return false };
+    solve(&factor);
+    *matrix = factor.unpack_dirty();
+    true
 }
 
 impl Equations {

@@ -1,8 +1,8 @@
 //! The bodies by their equations of motion in the joints' coordinates: a leapfrog of second order.
 
 use super::{Bodies, Jacobian};
-use crate::dynamics::equations::{Equations, MovingBodies};
-use nalgebra::{Cholesky, DMatrix, DVector, Isometry3, Point3, Vector3};
+use crate::dynamics::equations::{Equations, MovingBodies, solve_with};
+use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
 
 /// Bodies with their state.
 pub(super) struct Recursive {
@@ -90,7 +90,7 @@ impl Bodies for Recursive {
 
     fn step(&mut self, speed: &DVector<f64>) {
         self.bodies.set_in_motion(speed.as_slice(), &mut self.equations);
-        let (mut mass, accelerations) = (std::mem::take(&mut self.room.0), &mut self.room.1);
+        let (mass, accelerations) = &mut self.room;
         accelerations.iter_mut().zip(&self.equations.bias).for_each(|(a, bias)| *a = -bias);
         for (body, (force, torque)) in self.forces.iter().enumerate() {
             for (column, linear, turning) in self.equations.columns(body) {
@@ -99,17 +99,10 @@ impl Bodies for Recursive {
         }
         mass.clone_from(&self.equations.mass);
         self.armature.iter().enumerate().for_each(|(i, inertia)| mass[(i, i)] += inertia);
-        self.room.0 = match Cholesky::new(mass) {
-            Some(factor) => {
-                factor.solve_mut(accelerations);
-                factor.unpack_dirty()
-            }
+        if !solve_with(mass, |factor| factor.solve_mut(accelerations)) {
             // What is not a number any more is found by whoever watches the run.
-            None => {
-                accelerations.fill(f64::NAN);
-                self.equations.mass.clone()
-            }
-        };
+            accelerations.fill(f64::NAN);
+        }
         self.v.axpy(self.step_s, accelerations, 1.0);
         self.q.iter_mut().zip(&self.v).for_each(|(q, v)| *q += v * self.step_s);
         self.place();
