@@ -34,19 +34,25 @@ impl Search<'_> {
             .filter_map(|p| self.tried.iter().position(|t| t.effects == with(&p.added)))
             .collect();
         let jobs: Vec<_> = plans.into_iter().map(|p| job(&p.added, p.start)).filter(new).collect();
-        let (models, first) = (&self.models, self.tried.len());
         self.say_fitted(jobs.iter().map(|(set, _)| set.clone()).collect());
-        let observed =
-            beside.map_or_else(|| vec![None; jobs.len()], |beside| models.observed_fits(beside, &jobs));
-        let mut ranked: Vec<(Vec<String>, Known, Option<Fit>)> =
-            jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
-        if let Some(beside) = beside {
-            self.observed.extend(ranked.iter().filter_map(|(set, _, fit)| {
-                let fit = fit.as_ref()?;
-                let gains = is_seen(&beside.fit, fit);
-                Some(Observed { effects: set.clone(), cost: fit.cost, known: fit.known(), gains })
-            }));
-        }
+        let observed = match beside {
+            Some(beside) => self.fit_observed(beside, &jobs),
+            None => vec![None; jobs.len()],
+        };
+        let observed = jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
+        known.into_iter().chain(self.fit_best(near, beside, observed, to_beat)).collect()
+    }
+
+    /// Fits the best of some sets in open loop, by what they leave under the observer (see [`Search::fit_all`]); the indices of
+    /// those that were.
+    pub(super) fn fit_best(
+        &mut self,
+        near: &Candidate,
+        beside: Option<&Candidate>,
+        mut ranked: Vec<(Vec<String>, Known, Option<Fit>)>,
+        to_beat: Option<f64>,
+    ) -> std::ops::Range<usize> {
+        let (models, first) = (&self.models, self.tried.len());
         let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
         // Without an observer they stay in the order of what they promise.
         ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
@@ -110,7 +116,23 @@ impl Search<'_> {
             self.with_its_choice(fewest);
         }
         self.tried.extend(fitted);
-        known.into_iter().chain(first..self.tried.len()).collect()
+        first..self.tried.len()
+    }
+
+    /// Fits sets under the observer, beside one that was fitted there, and keeps what came of it.
+    pub(super) fn fit_observed(
+        &mut self,
+        beside: &Candidate,
+        sets: &[(Vec<String>, Known)],
+    ) -> Vec<Option<Fit>> {
+        let fits = self.models.observed_fits(beside, sets);
+        self.observed.extend(sets.iter().zip(&fits).filter_map(|((set, _), fit)| {
+            let fit = fit.as_ref()?;
+            let gains = is_seen(&beside.fit, fit);
+            let (effects, from) = (set.clone(), beside.effects.clone());
+            Some(Observed { effects, from, cost: fit.cost, known: fit.known(), gains })
+        }));
+        fits
     }
 
     /// Fits sets again that leave more than a part of them does, from that part's values with what they have beyond it weak:

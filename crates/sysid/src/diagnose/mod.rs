@@ -252,6 +252,10 @@ fn search<'a>(
     let best = search.run();
     let best = search.without_contained(best);
     search.confirm_rivals(best);
+    let (simplest, _) = search.ties(best);
+    if simplest != best {
+        search.confirm_rivals(simplest);
+    }
     let (chosen, mut tied) = search.ties(best);
     let chosen = search.holding_up(chosen, &mut tied);
     let chosen = search.without_idle(chosen, &mut tied);

@@ -4,8 +4,9 @@
 use super::compare::{clearly_better, excess, is_beyond_chance};
 use super::fits::has_two_magnitudes;
 use super::policy::{
-    AT_FLOOR, DRIFTS, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, NEEDED_COST,
-    OPEN_LOOP_WORTH, PROMISES_MOST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
+    ALIKE_COST, AT_FLOOR, DRIFTS, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, MOST_OF_IT, NEAR_FLOOR,
+    NEEDED_COST, OPEN_LOOP_WORTH, PROMISES_MOST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE,
+    WORTH_NAMING,
 };
 use super::refine::Models;
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -42,6 +43,8 @@ enum Ended {
 /// A set as it was fitted under the observer.
 pub(super) struct Observed {
     pub effects: Vec<String>,
+    /// The set that it was grown from.
+    pub from: Vec<String>,
     /// What it left.
     pub cost: f64,
     pub known: Known,
@@ -71,7 +74,14 @@ impl Search<'_> {
     /// Grows, exchanges and prunes from the base model (`tried[0]`); the index of the best set. Before a pair grows further, or
     /// a curve has the last word, what is screened badly is fitted alone: it may explain what three others do not.
     pub fn run(&mut self) -> usize {
-        let (mut best, mut ended) = self.grown_from(0, PAIR);
+        let (mut best, mut ended) = self.grown_from(0, 1);
+        let something = !self.at_floor(best) && !self.is_explained(best);
+        let chain = if something && ended != Ended::Curve { self.grown_under_observer() } else { None };
+        if let Some(explained) = chain {
+            (best, ended) = self.grown_from(explained, MOST_EFFECTS as usize);
+        } else if ended == Ended::AtMost {
+            (best, ended) = self.grown_from(best, PAIR);
+        }
         self.look_for_curve(best);
         let by_curve = ended == Ended::Curve || self.curve_beats(best);
         if by_curve || ended != Ended::AtLast {
@@ -294,7 +304,7 @@ impl Search<'_> {
         open.into_iter().chain(again).reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
     }
 
-    fn at(&self, beside: &Candidate, cards: &[EffectCard]) -> Screened {
+    pub(super) fn at(&self, beside: &Candidate, cards: &[EffectCard]) -> Screened {
         let starts = if self.models.dear { STARTS_DEAR } else { STARTS } as usize;
         screen(self.models.data, beside, &self.models.seen, cards, starts)
     }
@@ -402,8 +412,8 @@ impl Search<'_> {
         }
     }
 
-    /// Tries rivals in the place of each member of a set of several: effects at the same port, as they promised to be beside
-    /// the base model.
+    /// Tries rivals in the place of each member of a set of several, as they promised to be beside the base model: effects at
+    /// the same port, and those that alone leave as little as the member does.
     fn exchanged(&mut self, best: usize) -> usize {
         let effects = self.tried[best].effects.clone();
         if effects.len() < 2 {
@@ -415,12 +425,11 @@ impl Search<'_> {
         let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
         for leaving in &effects {
             let rest = all_but(&effects, leaving);
-            let rivals = self
-                .promises
-                .iter()
-                .filter(|p| !effects.contains(&p.effect) && p.drop > 0.0 && port(&p.effect) == port(leaving));
+            let promised = || self.promises.iter().filter(|p| !effects.contains(&p.effect) && p.drop > 0.0);
+            let at_port = |p: &&Promise| port(&p.effect) == port(leaving);
+            let alike = |p: &&Promise| !at_port(p) && self.leaves_as_little(&p.effect, leaving);
+            let rivals = promised().filter(at_port).take(RIVALS).chain(promised().filter(alike).take(RIVALS));
             let mut plans: Vec<Plan> = rivals
-                .take(RIVALS)
                 .map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() })
                 .collect();
             if let Some(own) = own {
@@ -440,6 +449,14 @@ impl Search<'_> {
         let mean = |i: usize| self.mean_square(i);
         let rival = fitted.into_iter().filter(|&i| self.tried[i].effects.len() <= effects.len());
         rival.fold(best, |a, b| if mean(b) < mean(a) { b } else { a })
+    }
+
+    /// Whether an effect alone leaves hardly more than another one, which takes most of what the base model leaves.
+    fn leaves_as_little(&self, effect: &String, other: &String) -> bool {
+        let alone = |id: &String| self.tried.iter().find(|t| t.effects == std::slice::from_ref(id));
+        let (Some(own), Some(other)) = (alone(effect), alone(other)) else { return false };
+        let takes_most = other.fit.cost < (1.0 - MOST_OF_IT) * self.tried[0].fit.cost;
+        takes_most && own.fit.cost <= ALIKE_COST * other.fit.cost
     }
 
     /// Whether a set was fitted under the observer before, and left too much there to be a rival of one of this cost.
