@@ -48,6 +48,17 @@ fn move_one(
     out
 }
 
+/// A robot of one joint about -y, whose mass hangs so far below it.
+fn arm(joint: &str, mass: f64, below: f64) -> String {
+    format!(
+        "<robot name=\"arm\"><link name=\"base\"/><link name=\"arm\"><inertial><origin xyz=\"0 0 {}\"/>\
+         <mass value=\"{mass}\"/><inertia ixx=\"1e-7\" iyy=\"1e-7\" izz=\"1e-7\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\
+         </inertial></link><joint name=\"{joint}\" type=\"continuous\"><parent link=\"base\"/><child link=\"arm\"/>\
+         <axis xyz=\"0 -1 0\"/></joint></robot>",
+        -below
+    )
+}
+
 /// Friction and an offset of a carriage whose run begins in motion, anywhere.
 fn carriage(folder: &Path) {
     let mut seed = 7;
@@ -200,13 +211,7 @@ fn a_servo_at_a_robots_joint_is_diagnosed() {
     }
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
     write("campaign.toml", &campaign);
-    let urdf = format!(
-        "<robot name=\"arm\"><link name=\"base\"/><link name=\"arm\"><inertial><origin xyz=\"0 0 -{length}\"/>\
-         <mass value=\"{mass}\"/><inertia ixx=\"1e-7\" iyy=\"1e-7\" izz=\"1e-7\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\
-         </inertial></link><joint name=\"pivot\" type=\"continuous\"><parent link=\"base\"/><child link=\"arm\"/>\
-         <axis xyz=\"0 -1 0\"/></joint></robot>"
-    );
-    write("arm.urdf", &urdf);
+    write("arm.urdf", &arm("pivot", mass, length));
     let servo = "id = \"servo\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 0.35\n\
                  rotor_inertia_kg_m2 = 0.002\nrotor_damping_nm_s = 0.005\nwinding_resistance_ohm = 3.0\nsupply_v = 7.4\n\
                  [transmission]\ntype = \"direct\"\n[servo]\nproportional_per_rad = 2.0\n";
@@ -221,6 +226,54 @@ fn a_servo_at_a_robots_joint_is_diagnosed() {
     let got = parameter(&found["after"], "pivot/coulomb-friction.force_nm");
     assert!((got / dry - 1.0).abs() < 0.1, "{got}");
     well(&["compare", &path("campaign.toml"), "--model", &better, "--as-is"]);
+}
+
+#[test]
+fn an_arm_that_falls_in_open_loop_is_diagnosed_in_pieces_of_its_runs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mass, length, armature, viscous, dry) = (1.2, 0.5, 0.05, 0.15, 0.6);
+    let mut seed = 5;
+    let mut campaign = "bench = \"robot\"\nrobot = \"arm.urdf\"\nactuator = \"hip.toml\"\n\n[noise_std]\n\
+                        \"hip.angle_rad\" = 1e-4\n\n"
+        .to_owned();
+    for (i, pace) in [2.1_f64, 3.7].into_iter().enumerate() {
+        let goal = |n: usize| {
+            let t = n as f64 * 1e-2;
+            0.3 * (pace * t).sin() + 0.15 * (2.3 * pace * t).cos()
+        };
+        // A feedback that is not in the log keeps the arm upright; its torque is held over each row.
+        let held = std::cell::RefCell::new(Vec::new());
+        let force = |n: usize, x: f64, v: f64| {
+            let mut held = held.borrow_mut();
+            if held.len() == n {
+                held.push(40.0 * (goal(n) - x) - 4.0 * v);
+            }
+            held[n] + mass * 9.81 * length * x.sin() - viscous * v
+        };
+        let x = move_one(500, 1e-2, (0.0, 0.0), armature + mass * length * length, force, dry);
+        let mut text = "time_s,hip.torque_nm,hip.angle_rad\n".to_owned();
+        for (n, (x, torque)) in x.iter().zip(held.into_inner()).enumerate() {
+            let _ = writeln!(text, "{:.3},{torque:.6},{:.6}", n as f64 * 1e-2, x + 1e-4 * normal(&mut seed));
+        }
+        std::fs::write(folder.path().join(format!("run{i}.csv")), text).expect("written");
+        let role = if i == 1 { "holdout" } else { "fit" };
+        let _ = write!(campaign, "[[run]]\nfile = \"run{i}.csv\"\nrole = \"{role}\"\n\n");
+    }
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    write("campaign.toml", &campaign);
+    write("arm.urdf", &arm("hip", mass, -length));
+    let hip = "id = \"hip\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 0.1\n\
+               rotor_inertia_kg_m2 = 0.04\nrotor_damping_nm_s = 0.2\n[transmission]\ntype = \"direct\"\n";
+    write("hip.toml", hip);
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let result = path("result.json");
+    well(&["diagnose", &path("campaign.toml"), "--json", &result]);
+    let found = json(Path::new(&result));
+    let said = found["confidence"]["reasons"].to_string();
+    assert!(said.contains("cut into pieces of 0.5 s"), "{said}");
+    assert_eq!(found["effects"], serde_json::json!(["hip/coulomb-friction"]), "{}", found["sentence"]);
+    let got = parameter(&found["after"], "hip/coulomb-friction.force_nm");
+    assert!((got / dry - 1.0).abs() < 0.05, "{got}");
 }
 
 #[test]

@@ -28,6 +28,10 @@ const MANY_PARAMETERS: usize = 24;
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 
+/// Sampling periods that an error is remembered at least: a pull that forgets within a row overshoots the next one, and of half a row
+/// it diverged.
+const LEAST_MEMORY_PERIODS: f64 = 3.0;
+
 /// A robot on a fixed base or a rail with a drive on every joint, with or without a spring.
 #[derive(Debug, Clone)]
 pub struct RobotModel {
@@ -353,6 +357,8 @@ impl Model for RobotModel {
         if self.has_loop(records) {
             return None;
         }
+        let period_s = records.iter().map(|record| record.mean_period_s()).fold(0.0, f64::max);
+        let memory_s = memory_s.max(LEAST_MEMORY_PERIODS * period_s);
         let observed = Observed::of(records, &self.positions(), Some(1.0 / memory_s))?;
         Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }

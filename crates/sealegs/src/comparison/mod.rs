@@ -15,8 +15,9 @@ pub use text::of as text;
 
 use crate::Result;
 use crate::campaign_model::CampaignModel;
+use crate::diagnosis::bounds;
+use crate::diagnosis::drift::Astray;
 use crate::diagnosis::outcome::parameters;
-use crate::diagnosis::{bounds, drift};
 use sealegs_model::Model;
 use sealegs_sysid::diagnose::fit_holding;
 use sealegs_sysid::frequency::{self, ChannelResponse};
@@ -174,8 +175,8 @@ impl<'a> Compared<'a> {
         };
         let left = residual::by_channel(&part.data, part.shown());
         let left = left.iter().map(|error| (error.channel.as_str(), error.rms));
-        let astray =
-            drift::advice(self.campaign, part.role, left).map_or_else(String::new, |a| format!(" {a}"));
+        let astray = Astray::of(self.campaign, part.role, left)
+            .map_or_else(String::new, |a| format!(" {}", a.advice()));
         first + &said + &astray
     }
 }

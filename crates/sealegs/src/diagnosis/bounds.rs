@@ -108,8 +108,10 @@ mod tests {
         o.base.parameters.push(assumed.clone());
         let said = |o: &Outcome| sentence(o.bounded()).is_some();
         assert!(!said(&o));
-        o.after.as_mut().unwrap().holdout_error = 2.0;
+        o.after.as_mut().unwrap().holdout_error = 4.0;
         assert!(said(&o));
+        o.base.holdout_error = 200.0;
+        assert!(!said(&o));
         o.after.as_mut().unwrap().holdout_error = 1.0;
         o.after.as_mut().unwrap().parameters.push(assumed);
         assert!(said(&o));

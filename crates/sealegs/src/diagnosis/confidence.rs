@@ -1,7 +1,7 @@
 //! How sure a verdict is, and why: what a reader must know before the numbers are used.
 
 use super::bounds;
-use super::outcome::{Outcome, ParameterValue};
+use super::outcome::{Outcome, ParameterValue, Side};
 use crate::report::units::error;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -40,6 +40,10 @@ const STAYS: f64 = 1.05;
 /// Share of the base model's energy above the floor that a curve takes for it to be said in place of what the residual follows.
 const MOST_OF_IT: f64 = 0.5;
 
+/// Share of the base model's error above the noise floor below which what a named set leaves says nothing for a wrong value in the
+/// base model: an effect that does a wrong value's work leaves more. An estimate.
+const NEXT_TO_NOTHING: f64 = 0.05;
+
 /// Parameters and sentences that are said at most.
 const MOST: usize = 3;
 
@@ -50,12 +54,18 @@ impl Outcome {
         side.holdout_error > STAYS * self.noise_floor
     }
 
+    /// What a model leaves of the base model's held-out error above the noise floor, as a share.
+    fn left(&self, side: &Side) -> f64 {
+        (side.holdout_error - self.noise_floor) / (self.base.holdout_error - self.noise_floor).max(1e-9)
+    }
+
     /// The parameters whose unstated bounds matter: the base model's; of the model with the named effects where that ends at
-    /// the noise floor, for a missing effect drives the base model's refit to its bounds, too. None of what was asked for.
+    /// the noise floor or leaves next to nothing of the base model's error, for a missing effect drives the base model's refit to
+    /// its bounds, too. None of what was asked for.
     pub(super) fn bounded(&self) -> &[ParameterValue] {
         match (self.verdict, &self.after) {
             ("added", _) => &[],
-            ("missing-effect", Some(after)) if !self.stays() => &after.parameters,
+            (_, Some(after)) if !self.stays() || self.left(after) < NEXT_TO_NOTHING => &after.parameters,
             _ => &self.base.parameters,
         }
     }

@@ -13,34 +13,72 @@ const ASTRAY: f64 = 0.2;
 /// Pieces that the longest run is proposed to be cut into, and the shortest one, s.
 const PIECES: (f64, f64) = (10.0, 0.5);
 
-/// A sentence for the channel that is furthest astray, if one is, of the root mean square errors by channel on the runs of a role, in
-/// the channels' units.
-pub(crate) fn advice<'a>(
-    campaign: &Campaign,
-    role: Role,
-    left: impl IntoIterator<Item = (&'a str, f64)>,
-) -> Option<String> {
-    if !matches!(campaign.bench, Bench::Free | Bench::Robot) {
-        return None;
+/// How far a joint goes astray in open loop.
+pub(crate) struct Astray {
+    /// The channel that is furthest astray.
+    channel: String,
+    /// What is left of what it does, as a share of its standard deviation.
+    pub share: f64,
+    /// Length of the pieces that the runs are proposed to be cut into, s.
+    pub piece_s: f64,
+    /// How many of them the longest fit run is.
+    pub pieces: f64,
+}
+
+impl Astray {
+    /// Of the root mean square errors by channel on the runs of a role, in the channels' units; `None` where no position is astray.
+    pub(crate) fn of<'a>(
+        campaign: &Campaign,
+        role: Role,
+        left: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Option<Self> {
+        if !matches!(campaign.bench, Bench::Free | Bench::Robot) {
+            return None;
+        }
+        let astray = |(channel, rms): (&'a str, f64)| {
+            let is_position = matches!(Unit::of_channel(channel), Ok(Unit::Metre | Unit::Radian));
+            let runs = campaign.runs_of(role);
+            let values = runs.filter_map(|run| Some(&run.record.output(channel)?[run.scored.clone()]));
+            let motion = stats::std(&values.flatten().copied().collect::<Vec<f64>>());
+            (is_position && motion > 0.0).then(|| (channel, rms / motion))
+        };
+        let furthest = left.into_iter().filter_map(astray);
+        let (channel, share) =
+            furthest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share > ASTRAY)?;
+        let longest = campaign.runs_of(Role::Fit).map(|run| run.record.duration_s()).fold(0.0, f64::max);
+        // As it is said.
+        let piece_s = (10.0 * (longest / PIECES.0).max(PIECES.1)).round() / 10.0;
+        Some(Self { channel: channel.to_owned(), share, piece_s, pieces: longest / piece_s })
     }
-    let astray = |(channel, rms): (&'a str, f64)| {
-        let is_position = matches!(Unit::of_channel(channel), Ok(Unit::Metre | Unit::Radian));
-        let runs = campaign.runs_of(role);
-        let values = runs.filter_map(|run| Some(&run.record.output(channel)?[run.scored.clone()]));
-        let motion = stats::std(&values.flatten().copied().collect::<Vec<f64>>());
-        (is_position && motion > 0.0).then(|| (channel, rms / motion))
-    };
-    let furthest = left.into_iter().filter_map(astray);
-    let (channel, share) =
-        furthest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share > ASTRAY)?;
-    let longest = campaign.runs_of(Role::Fit).map(|run| run.record.duration_s()).fold(0.0, f64::max);
-    let piece = (longest / PIECES.0).max(PIECES.1);
-    Some(format!(
-        "In open loop the model goes astray: it leaves {:.0} % of what {} does. `window_s = {piece:.1}` in the campaign cuts \
-         its runs into pieces that each begin at the measured state.",
-        100.0 * share,
-        channel
-    ))
+
+    /// How far, in a sentence.
+    fn said(&self) -> String {
+        format!(
+            "In open loop the model goes astray: it leaves {:.0} % of what {} does.",
+            100.0 * self.share,
+            self.channel
+        )
+    }
+
+    /// What to do about it.
+    pub(crate) fn advice(&self) -> String {
+        format!(
+            "{} `window_s = {:.1}` in the campaign cuts its runs into pieces that each begin at the measured state.",
+            self.said(),
+            self.piece_s
+        )
+    }
+
+    /// What was done about it.
+    pub(super) fn cut(&self) -> String {
+        format!(
+            "{} So its runs were cut into pieces of {:.1} s that each begin at the measured state, and all that is said holds for \
+             these. State `window_s = {:.1}` in the campaign for `compare` and `add` to do the same.",
+            self.said(),
+            self.piece_s,
+            self.piece_s
+        )
+    }
 }
 
 /// A sentence where the named set leaves more of the fit runs than the base model does, and less of the held-out ones.
@@ -75,10 +113,12 @@ mod tests {
         };
         let left = |rms: f64| ("position_m", rms);
         // The standard deviation of a sine is its amplitude over the root of 2: 71 mm.
-        let said = advice(&on(Bench::Free), Role::Holdout, [left(0.0354)]).expect("half of it is left");
+        let astray = |bench, rms| Astray::of(&on(bench), Role::Holdout, [left(rms)]);
+        let half = astray(Bench::Free, 0.0354).expect("half of it is left");
+        let said = half.advice();
+        assert!((half.piece_s, half.pieces.round()) == (2.0, 10.0) && half.cut().contains("pieces of 2.0 s"));
         assert!(said.contains("leaves 50 %") && said.contains("window_s = 2.0"), "{said}");
-        assert_eq!(advice(&on(Bench::Free), Role::Holdout, [left(0.01)]), None);
-        assert_eq!(advice(&on(Bench::Locked), Role::Holdout, [left(0.0354)]), None);
+        assert!(astray(Bench::Free, 0.01).is_none() && astray(Bench::Locked, 0.0354).is_none());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A diagnosis in the data contract's words: what `--json` writes and what text and report print.
 
 use super::confidence::Confidence;
+use super::drift::Astray;
 use super::law::LawSaid;
 use super::sentence::sentence;
 pub use super::signals::{BranchSaid, CurveSaid, ForceSaid, MissingSignal, Share};
@@ -392,9 +393,7 @@ impl Outcome {
             provenance,
         };
         if matches!(verdict.kind, VerdictKind::PartlyExplained | VerdictKind::Unexplained) {
-            let left = &outcome.after.as_ref().unwrap_or(&outcome.base).channels;
-            let left = left.iter().map(|said| (said.channel.as_str(), said.holdout_rms));
-            let advice = super::drift::advice(campaign, Role::Holdout, left);
+            let advice = outcome.astray(campaign).map(|astray| astray.advice());
             // Only a robot's runs are fitted in pieces.
             let after = outcome.after.as_ref().filter(|_| matches!(campaign.bench, Bench::Robot));
             let fitted = after.and_then(|after| super::drift::fitted(&outcome.base, after));
@@ -404,6 +403,12 @@ impl Outcome {
         super::intervals::make_honest(&mut outcome);
         outcome.sentence = sentence(&outcome);
         outcome
+    }
+
+    /// How far a joint goes astray on the held-out runs in open loop, if one does.
+    pub(super) fn astray(&self, campaign: &Campaign) -> Option<Astray> {
+        let left = &self.after.as_ref().unwrap_or(&self.base).channels;
+        Astray::of(campaign, Role::Holdout, left.iter().map(|said| (said.channel.as_str(), said.holdout_rms)))
     }
 }
 

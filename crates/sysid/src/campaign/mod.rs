@@ -294,6 +294,19 @@ impl Campaign {
         CampaignBuilder::new(name.into(), bench, model.into())
     }
 
+    /// The same campaign with its runs in pieces of so many seconds that each begin at the measured state, as `window_s` in its
+    /// file cuts them; as it is on a bench whose runs do not begin in motion.
+    #[must_use]
+    pub fn cut_into(&self, window_s: f64) -> Self {
+        let mut cut = self.clone();
+        if windows::suit(self.bench) {
+            let pieces = |run| windows::cut(run, window_s, self.sample_rate_hz);
+            cut.runs = cut.runs.into_iter().flat_map(pieces).collect();
+            cut.repeats = noise::repeats(&cut.runs);
+        }
+        cut
+    }
+
     /// What follows from all runs together: noise, repeats, remarks.
     fn assembled(description: file::Description, file: PathBuf, runs: Vec<(Run, RunNotes)>) -> Self {
         let (runs, of_runs): (Vec<Run>, Vec<RunNotes>) = runs.into_iter().unzip();
