@@ -3,7 +3,6 @@
 
 use super::outcome::Side;
 use sealegs_model::Unit;
-use sealegs_sysid::campaign::Bench;
 use sealegs_sysid::{Campaign, Role, stats};
 
 /// Share of a position's own standard deviation that a model leaves of it from which on it has gone astray: the error of a
@@ -32,7 +31,7 @@ impl Astray {
         role: Role,
         left: impl IntoIterator<Item = (&'a str, f64)>,
     ) -> Option<Self> {
-        if !matches!(campaign.bench, Bench::Free | Bench::Robot) {
+        if !campaign.bench.may_begin_in_motion() {
             return None;
         }
         let astray = |(channel, rms): (&'a str, f64)| {
@@ -95,7 +94,7 @@ pub(super) fn fitted(base: &Side, after: &Side) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sealegs_sysid::campaign::RunColumns;
+    use sealegs_sysid::campaign::{Bench, RunColumns};
     use std::f64::consts::TAU;
 
     #[test]

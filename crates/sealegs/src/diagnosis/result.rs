@@ -10,7 +10,7 @@ use super::story::{Sides, Story};
 use super::{page, text};
 use crate::campaign_model::{self, CampaignModel};
 use crate::stoppable::{Stoppable, unless_stopped};
-use crate::{Options, Result, comparison};
+use crate::{Error, Options, Result, comparison};
 use sealegs_model::{Excitation, Model};
 use sealegs_recorder::recording;
 use sealegs_sysid::diagnose::{self, Experiment, VerdictKind};
@@ -67,10 +67,14 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
     let mut diagnosis = diagnosed(campaign.clone(), &options)?;
     if let Some(astray) = diagnosis.hidden_by_drift() {
         options.tell(&format!("diagnosing again in pieces of {:.1} s", astray.piece_s));
-        let mut again = diagnosed(campaign.cut_into(astray.piece_s), &options)?;
-        if again.found.verdict.kind != VerdictKind::Unexplained {
-            again.outcome.confidence.reasons.insert(0, astray.cut());
-            diagnosis = again;
+        match diagnosed(campaign.cut_into(astray.piece_s), &options) {
+            Ok(mut again) if again.found.verdict.kind != VerdictKind::Unexplained => {
+                again.outcome.confidence.reasons.insert(0, astray.cut());
+                diagnosis = again;
+            }
+            Err(Error::Stopped) => return Err(Error::Stopped),
+            // Pieces that say no more, or that cannot be simulated, take nothing from the verdict on whole runs.
+            Ok(_) | Err(_) => {}
         }
     }
     Ok(Diagnosis { took: started.elapsed(), ..diagnosis })

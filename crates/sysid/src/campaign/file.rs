@@ -241,7 +241,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
             from_s: bound(&run.from_s, "from_s")?,
             to_s: bound(&run.to_s, "to_s")?,
             window_s: match run.window_s.as_ref().or(raw.window_s.as_ref()) {
-                Some(window) if !windows::suit(bench) => {
+                Some(window) if !bench.may_begin_in_motion() => {
                     return Err(Error::bad(path, line(window.span()), Some("window_s"), windows::SUIT));
                 }
                 window => window.map(|v| positive(v, "window_s")).transpose()?,

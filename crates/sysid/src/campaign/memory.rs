@@ -181,7 +181,7 @@ impl CampaignBuilder {
         }
         if let Some(window_s) = self.window_s {
             positive(window_s, "window_s")?;
-            if !windows::suit(self.bench) {
+            if !self.bench.may_begin_in_motion() {
                 return Err(Error::bad(&file, None, Some("window_s"), windows::SUIT));
             }
         }

@@ -55,6 +55,12 @@ pub enum Bench {
 }
 
 impl Bench {
+    /// Whether its runs may begin in motion, and so be cut into pieces.
+    #[must_use]
+    pub fn may_begin_in_motion(self) -> bool {
+        matches!(self, Self::Free | Self::Robot)
+    }
+
     /// Whether it has joints, whose columns are called `<joint>.<what>`.
     #[must_use]
     pub fn has_joints(self) -> bool {
@@ -299,7 +305,7 @@ impl Campaign {
     #[must_use]
     pub fn cut_into(&self, window_s: f64) -> Self {
         let mut cut = self.clone();
-        if windows::suit(self.bench) {
+        if self.bench.may_begin_in_motion() {
             let pieces = |run| windows::cut(run, window_s, self.sample_rate_hz);
             cut.runs = cut.runs.into_iter().flat_map(pieces).collect();
             cut.repeats = noise::repeats(&cut.runs);
@@ -333,7 +339,7 @@ impl Campaign {
         let noise = noise::of_runs(&runs, &description.noise_std);
         let mut runs = runs;
         // The model of a drive without a spring begins in motion, as its run does.
-        for run in runs.iter_mut().filter(|_| !matches!(description.bench, Bench::Free | Bench::Robot)) {
+        for run in runs.iter_mut().filter(|_| !description.bench.may_begin_in_motion()) {
             notes.extend(skip_start_in_motion(run, &noise));
         }
         Self {

@@ -1,17 +1,12 @@
 //! Runs cut into pieces that each begin at the measured state: a joint that is driven by a force drifts away in open loop,
 //! and after seconds of it the error says little of the model.
 
-use super::{Bench, Clock, FEWEST_ROWS, LeftOut, Run};
+use super::{Clock, FEWEST_ROWS, LeftOut, Run};
 use sealegs_model::Record;
 use std::ops::Range;
 
-/// What is wrong of pieces on another bench than those that [`suit`].
+/// What is wrong of pieces on another bench than those whose runs may begin in motion.
 pub(super) const SUIT: &str = "is for the benches 'free' and 'robot', whose runs may begin in motion";
-
-/// Whether a bench's runs may begin in motion.
-pub(super) fn suit(bench: Bench) -> bool {
-    matches!(bench, Bench::Free | Bench::Robot)
-}
 
 /// A run in pieces of so many seconds from the first row that counts on, each named after the time at which it begins; a
 /// last piece of too few rows belongs to the one before. A run no longer than a piece stays as it is.
