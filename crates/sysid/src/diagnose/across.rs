@@ -3,11 +3,12 @@
 
 use super::candidate::symbol;
 use super::compare::clearly_better;
+use super::exchange::all_but;
 use super::nested::simpler_id;
 use super::policy::{EXPLAINED, FOLDS, KNOWN_FROM_ZERO, NAMED_SHARE, STEPS_PER_SAMPLE, TIED_COST};
 use super::refine::Models;
 use super::screen::{Known, is_amplitude};
-use super::search::{Search, all_but};
+use super::search::Search;
 use super::windows::in_windows;
 use super::{Candidate, values_by_name, with_effects};
 use crate::data::{Data, DataRun};

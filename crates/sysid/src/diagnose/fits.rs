@@ -7,10 +7,26 @@ use super::horizon::Derivatives;
 use super::policy::{ALIKE_COST, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, RIVAL_COST};
 use super::refine::Models;
 use super::screen::{Known, Plan};
-use super::search::{Observed, Search};
-use crate::fit::{EQUAL_COST, Fit};
+use super::search::{Observed, Search, Seen};
+use crate::fit::EQUAL_COST;
 use rayon::prelude::*;
 use sealegs_model::{Parameter, Scale};
+
+/// A set that is to be fitted in open loop.
+pub(super) struct Planned {
+    pub effects: Vec<String>,
+    /// Where its fit starts.
+    pub known: Known,
+    /// What its fit under the observer came to; `None` where it cannot be simulated there, or nothing was measured to follow.
+    pub seen: Option<Seen>,
+}
+
+impl Planned {
+    /// What it leaves under the observer.
+    pub(super) fn cost(&self) -> f64 {
+        self.seen.as_ref().map_or(f64::INFINITY, |seen| seen.cost)
+    }
+}
 
 impl Search<'_> {
     /// Fits plans beside a set that were not fitted yet, first under the observer, then the best of them in open loop; the
@@ -24,23 +40,30 @@ impl Search<'_> {
         plans: Vec<Plan>,
         to_beat: Option<f64>,
     ) -> Vec<usize> {
-        let with = |added: &[String]| self.set_with(near, added);
-        let job = |added: &[String], start: Known| -> (Vec<String>, Known) {
-            (with(added), near.known().into_iter().chain(start).collect())
-        };
+        let sets = plans.iter().map(|p| self.set_with(near, &p.added));
+        let known: Vec<usize> =
+            sets.filter_map(|set| self.tried.iter().position(|t| t.effects == set)).collect();
+        let planned = self.planned(near, beside, plans);
+        known.into_iter().chain(self.fit_best(near, beside, planned, to_beat)).collect()
+    }
+
+    /// The sets of some plans beside a set that were not fitted in open loop yet, with what they leave under the observer.
+    pub(super) fn planned(
+        &mut self,
+        near: &Candidate,
+        beside: Option<&Candidate>,
+        plans: Vec<Plan>,
+    ) -> Vec<Planned> {
+        let known = |start: Known| near.known().into_iter().chain(start).collect();
+        let sets = plans.into_iter().map(|p| (self.set_with(near, &p.added), known(p.start)));
         let new = |(set, _): &(Vec<String>, Known)| self.tried.iter().all(|t| t.effects != *set);
-        let known: Vec<usize> = plans
-            .iter()
-            .filter_map(|p| self.tried.iter().position(|t| t.effects == with(&p.added)))
-            .collect();
-        let jobs: Vec<_> = plans.into_iter().map(|p| job(&p.added, p.start)).filter(new).collect();
-        self.say_fitted(jobs.iter().map(|(set, _)| set.clone()).collect());
-        let observed = match beside {
-            Some(beside) => self.fit_observed(beside, &jobs),
-            None => vec![None; jobs.len()],
-        };
-        let observed = jobs.into_iter().zip(observed).map(|((set, known), fit)| (set, known, fit)).collect();
-        known.into_iter().chain(self.fit_best(near, beside, observed, to_beat)).collect()
+        let sets: Vec<(Vec<String>, Known)> = sets.filter(new).collect();
+        self.say_fitted(sets.iter().map(|(set, _)| set.clone()).collect());
+        if let Some(beside) = beside {
+            self.fit_observed(beside, &sets);
+        }
+        let seen = |set: &[String]| self.observed_from(&beside?.effects, set).map(|o| o.seen.clone());
+        sets.into_iter().map(|(effects, known)| Planned { seen: seen(&effects), effects, known }).collect()
     }
 
     /// Fits the best of some sets in open loop, by what they leave under the observer (see [`Search::fit_all`]); the indices of
@@ -49,32 +72,32 @@ impl Search<'_> {
         &mut self,
         near: &Candidate,
         beside: Option<&Candidate>,
-        mut ranked: Vec<(Vec<String>, Known, Option<Fit>)>,
+        mut ranked: Vec<Planned>,
         to_beat: Option<f64>,
     ) -> std::ops::Range<usize> {
         let (models, first) = (&self.models, self.tried.len());
-        let cost = |fit: &Option<Fit>| fit.as_ref().map_or(f64::INFINITY, |f| f.cost);
         // Without an observer they stay in the order of what they promise.
-        ranked.sort_by(|a, b| cost(&a.2).total_cmp(&cost(&b.2)));
+        ranked.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         if let Some(beside) = beside {
-            ranked.retain(|(.., fit)| cost(fit) < beside.fit.cost);
+            ranked.retain(|p| p.cost() < beside.fit.cost);
         }
-        let least =
-            ranked.first().map_or(f64::INFINITY, |r| cost(&r.2)).min(to_beat.unwrap_or(f64::INFINITY));
+        let first_cost = ranked.first().map_or(f64::INFINITY, Planned::cost);
+        let least = first_cost.min(to_beat.unwrap_or(f64::INFINITY));
         if to_beat.is_some() {
-            ranked.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
+            ranked.retain(|p| p.cost() <= RIVAL_COST * least);
         }
-        let wave = |near: &Candidate, jobs: &[(Vec<String>, Known, Option<Fit>)]| -> Vec<Candidate> {
-            let fitted: Vec<Option<Candidate>> = jobs
+        let wave = |near: &Candidate, planned: &[Planned]| -> Vec<Candidate> {
+            let fitted: Vec<Option<Candidate>> = planned
                 .par_iter()
-                .map(|(set, known, fit)| models.fitted(near, set, known, fit.as_ref()))
+                .map(|p| models.fitted(near, &p.effects, &p.known, p.seen.as_ref().map(|s| &s.known)))
                 .collect();
             fitted.into_iter().flatten().collect()
         };
         let leaders = if models.dear { 1 } else { LEADERS as usize }.min(ranked.len());
         let mut fitted = wave(near, &ranked[..leaders]);
         finish_best(models, &mut fitted);
-        if let (true, [lead], [(.., Some(seen)), ..]) = (models.dear, &mut fitted[..], &ranked[..])
+        if let (true, [lead], [Planned { seen: Some(seen), .. }, ..]) =
+            (models.dear, &mut fitted[..], &ranked[..])
             && !models.is_settled(lead, &self.tried[0])
         {
             let longer = models.through_beginnings(lead, lead.model.as_ref(), seen, Derivatives::Corrected);
@@ -94,10 +117,10 @@ impl Search<'_> {
         let settled = to_beat.is_some() || fitted.iter().any(|c| models.is_settled(c, &self.tried[0]));
         let mut rest: Vec<_> = ranked.drain(leaders..).collect();
         if settled {
-            rest.retain(|(.., fit)| cost(fit) <= RIVAL_COST * least);
+            rest.retain(|p| p.cost() <= RIVAL_COST * least);
         } else {
             let most = if self.models.dear { FOLLOWERS_DEAR } else { FOLLOWERS } as usize;
-            let alike = rest.iter().filter(|(.., fit)| cost(fit) <= ALIKE_COST * least).count();
+            let alike = rest.iter().filter(|p| p.cost() <= ALIKE_COST * least).count();
             rest.truncate(most.max(alike));
         }
         let mut rest = wave(&near, &rest);
@@ -109,9 +132,11 @@ impl Search<'_> {
         }
         fitted.extend(rest);
         self.no_worse_than_parts(&mut fitted);
+        // The only one has had another choice already.
+        let several = fitted.len() > 1;
         let least = |n: &Candidate| (n.effects.len(), n.fit.cost);
         let fewest = fitted.iter_mut().reduce(|a, b| if least(b) < least(a) { b } else { a });
-        if let Some(fewest) = fewest.filter(|_| !settled && !models.dear) {
+        if let Some(fewest) = fewest.filter(|_| !settled && !models.dear && several) {
             // A choice that is wrong beside it may look like one effect more.
             self.with_its_choice(fewest);
         }
@@ -119,20 +144,15 @@ impl Search<'_> {
         first..self.tried.len()
     }
 
-    /// Fits sets under the observer, beside one that was fitted there, and keeps what came of it.
-    pub(super) fn fit_observed(
-        &mut self,
-        beside: &Candidate,
-        sets: &[(Vec<String>, Known)],
-    ) -> Vec<Option<Fit>> {
-        let fits = self.models.observed_fits(beside, sets);
-        self.observed.extend(sets.iter().zip(&fits).filter_map(|((set, _), fit)| {
-            let fit = fit.as_ref()?;
-            let gains = is_seen(&beside.fit, fit);
-            let (effects, from) = (set.clone(), beside.effects.clone());
-            Some(Observed { effects, from, cost: fit.cost, known: fit.known(), gains })
+    /// Fits sets under the observer that were not yet, beside one that was fitted there, and keeps what came of it.
+    fn fit_observed(&mut self, beside: &Candidate, sets: &[(Vec<String>, Known)]) {
+        let new = |(set, _): &&(Vec<String>, Known)| self.observed_from(&beside.effects, set).is_none();
+        let sets: Vec<(Vec<String>, Known)> = sets.iter().filter(new).cloned().collect();
+        let fits = self.models.observed_fits(beside, &sets);
+        self.observed.extend(sets.into_iter().zip(&fits).filter_map(|((effects, _), fit)| {
+            let (fit, from) = (fit.as_ref()?, beside.effects.clone());
+            Some(Observed { effects, from, seen: Seen::of(fit), gains: is_seen(&beside.fit, fit) })
         }));
-        fits
     }
 
     /// Fits sets again that leave more than a part of them does, from that part's values with what they have beyond it weak:

@@ -166,7 +166,7 @@ pub(super) fn lowest(models: &Models, near: &Candidate, ports: &[Port]) -> Optio
         .filter_map(|(tried, fit)| {
             let (models, set) = (tried.models(models), tried.set(near));
             let on = if fit.converged { None } else { models.observed_on(&observed, &set, &fit) };
-            let with = models.fitted(near, &set, &known, Some(&on.unwrap_or(fit)))?;
+            let with = models.fitted(near, &set, &known, Some(&on.unwrap_or(fit).known()))?;
             Some(Fitted { tried, with })
         })
         .filter(|Fitted { tried, with }| {

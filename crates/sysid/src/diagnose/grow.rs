@@ -1,17 +1,16 @@
 //! Sets grown one effect at a time, each from its most promising starting values: in open loop, or under the observer alone.
 
 use super::along::simpler_along;
-use super::policy::STARTS;
+use super::compare::excess;
+use super::fits::Planned;
+use super::policy::{LEFT_SHARE, MAY_EXPLAIN, NEAR_FLOOR, SEEN_TOGETHER, STARTS};
 use super::refine::Models;
 use super::rugged;
-use super::screen::{Known, addable, screen};
-use super::search::{Observed, Search};
+use super::screen::{Known, screen};
+use super::search::{Observed, Search, Seen};
 use super::starts::with_nominal_base;
-use super::{Candidate, Progress, values_by_name, with_effects};
-use crate::fit::{self, Difference, Fit};
-
-/// Members of a set that is grown under the observer alone: what leaves something with as many is searched in open loop.
-const TOGETHER: usize = 3;
+use super::{Candidate, values_by_name, with_effects};
+use crate::fit::{self, Difference};
 
 impl Models<'_> {
     /// A set with one more effect, from its most promising starting values, from its guess, and beside the law that it
@@ -38,6 +37,7 @@ impl Models<'_> {
             let observed = beside.as_ref().and_then(|beside| {
                 self.observed_fits(beside, &[(effects.clone(), known.clone())]).pop().flatten()
             });
+            let observed = observed.map(|fit| fit.known());
             self.fitted(near, &effects, &known, observed.as_ref())
         });
         fitted.chain(in_its_place).reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
@@ -83,53 +83,54 @@ impl Models<'_> {
 impl Search<'_> {
     /// The set that explains the fit runs, if one does that grows from the base model by what leaves least under the observer:
     /// where a motion amplifies small errors, as a pendulum under dry friction does, open loop does not tell which effect is
-    /// a part of the truth before the others are there. Its rivals are fitted, too. `None` where a simulation is dear.
+    /// a part of the truth before the others are there. Its rivals are fitted, too. `None` where a simulation is dear, and
+    /// where the observer hides what is missing.
     pub(super) fn grown_under_observer(&mut self) -> Option<usize> {
-        let mut beside = self.observing(&self.tried[0]).filter(|_| !self.models.dear)?;
-        while beside.effects.len() < TOGETHER && !self.is_long() {
-            let mut rivals = self.screened_under_observer(&beside);
+        if self.models.dear || self.at_floor(0) {
+            return None;
+        }
+        let floor = self.models.data.floor;
+        let mut beside = self.observing(&self.tried[0])?;
+        let most = LEFT_SHARE * excess(beside.fit.error(), floor);
+        let may_explain = |error: f64| error <= MAY_EXPLAIN * floor || excess(error, floor) <= most;
+        while beside.fit.error() > NEAR_FLOOR * floor && !self.is_long() {
+            let plans = self.screened_beside(&beside).plans(f64::INFINITY, true);
+            let planned = self.planned(&beside, Some(&beside), plans);
             let one_more =
-                |o: &&Observed| o.from == beside.effects && o.effects.len() == beside.effects.len() + 1;
-            let least = self.observed.iter().filter(one_more);
-            let least = least.reduce(|a, b| if b.cost < a.cost { b } else { a }).filter(|o| o.gains)?;
-            let effects = least.effects.clone();
+                |o: &Observed| o.from == beside.effects && o.effects.len() == beside.effects.len() + 1;
+            let effects = self.least_observed(one_more).filter(|o| o.gains)?.effects.clone();
             let with = self.observing(&Candidate { effects: effects.clone(), ..beside.clone() })?;
-            let before = self.tried.iter().position(|t| t.effects == effects);
-            let fit = |base| self.models.fitted(base, &effects, &with.known(), Some(&with.fit));
-            let index = match before {
-                Some(index) => index,
-                None => {
-                    let fitted = self.models.finished(fit(&self.tried[0])?);
-                    self.kept(fitted)
+            if may_explain(with.fit.error()) {
+                let lead = Planned { effects, known: with.known(), seen: Some(Seen::of(&with.fit)) };
+                if let Some(index) = self.explained_by(&beside, lead, planned) {
+                    return Some(index);
                 }
-            };
-            if self.models.is_settled(&self.tried[index], &self.tried[0]) {
-                let near = self.tried[index].clone();
-                rivals.retain(|(set, ..)| *set != effects);
-                self.fit_best(&near, Some(&beside), rivals, Some(with.fit.cost));
-                return Some(index);
+            }
+            if with.effects.len() >= SEEN_TOGETHER as usize {
+                break;
             }
             beside = with;
         }
         None
     }
 
-    /// Fits what screening promises beside a set under the observer, unless that was done; without what was fitted in open
-    /// loop already.
-    fn screened_under_observer(&mut self, beside: &Candidate) -> Vec<(Vec<String>, Known, Option<Fit>)> {
-        if self.observed.iter().any(|o| o.from == beside.effects) {
-            return Vec::new();
+    /// Fits a set in open loop that grew beside another one; its index if it explains everything, with its rivals fitted.
+    fn explained_by(
+        &mut self,
+        beside: &Candidate,
+        lead: Planned,
+        mut planned: Vec<Planned>,
+    ) -> Option<usize> {
+        let (effects, cost) = (lead.effects.clone(), lead.cost());
+        let base = self.tried[0].clone();
+        self.fit_best(&base, Some(beside), vec![lead], None);
+        let index = self.tried.iter().position(|t| t.effects == effects)?;
+        if !self.models.is_settled(&self.tried[index], &base) {
+            return None;
         }
-        (self.progress)(Progress::Screening { beside: beside.effects.clone() });
-        let cards = addable(beside.model.as_ref(), &self.models.seen, &self.admitted);
-        let known = |start: Known| beside.known().into_iter().chain(start).collect();
-        let plans = self.at(beside, &cards).plans(f64::INFINITY, true);
-        let sets: Vec<(Vec<String>, Known)> =
-            plans.into_iter().map(|p| (self.set_with(beside, &p.added), known(p.start))).collect();
-        self.say_fitted(sets.iter().map(|(set, _)| set.clone()).collect());
-        let fits = self.fit_observed(beside, &sets);
-        let new = |set: &[String]| self.tried.iter().all(|t| t.effects != set);
-        let fitted = sets.into_iter().zip(fits).filter(|((set, _), _)| new(set));
-        fitted.map(|((set, known), fit)| (set, known, fit)).collect()
+        planned.retain(|p| p.effects != effects);
+        let near = self.tried[index].clone();
+        self.fit_best(&near, Some(beside), planned, Some(cost));
+        Some(index)
     }
 }

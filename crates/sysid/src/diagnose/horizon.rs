@@ -6,9 +6,10 @@
 
 use super::policy::{EXPLAINED, HORIZON_STEPS};
 use super::refine::{Models, finishing};
+use super::search::Seen;
 use super::{Candidate, values_by_name};
 use crate::data::{Data, DataRun};
-use crate::fit::{self, Fit, FitOptions};
+use crate::fit::{self, FitOptions};
 use sealegs_model::{Model, Record};
 
 /// Shares of the runs: an eighth of two seconds holds some strokes of play that rattles, and the longer the part the steeper
@@ -36,10 +37,10 @@ impl Models<'_> {
         &self,
         set: &Candidate,
         model: &dyn Model,
-        observed: &Fit,
+        observed: &Seen,
         derivatives: Derivatives,
     ) -> Option<Candidate> {
-        if observed.error() > EXPLAINED * self.data.floor {
+        if observed.error > EXPLAINED * self.data.floor {
             return None;
         }
         let options = |start, share: f64| {
@@ -55,21 +56,15 @@ impl Models<'_> {
             self.data.add_work(&data);
             fit.map_or(start, |fit| fit.values)
         };
-        let start = SHARES.into_iter().fold(values_by_name(model, &observed.known()), through);
+        let start = SHARES.into_iter().fold(values_by_name(model, &observed.known), through);
         Candidate::fitted(self.data, set.effects.clone(), model.clone_box(), &options(start, 1.0)).ok()
     }
 }
 
 /// The first part of every run.
 fn beginnings(data: &Data, share: f64) -> Vec<Record> {
-    let of_run = |run: &DataRun| {
-        let mut record = run.record.clone();
-        let rows = (share * record.time_s.len() as f64).ceil() as usize;
-        record.time_s.truncate(rows);
-        record.inputs.iter_mut().chain(&mut record.outputs).for_each(|s| s.values.truncate(rows));
-        record
-    };
-    data.runs.iter().map(of_run).collect()
+    let rows = |record: &Record| (share * record.len() as f64).ceil() as usize;
+    data.runs.iter().map(|run| run.record.at_rows(0..rows(run.record))).collect()
 }
 
 /// The data of such runs.
@@ -89,6 +84,7 @@ mod tests {
     use super::{Derivatives, beginnings, of_beginnings};
     use crate::Role;
     use crate::data::Data;
+    use crate::diagnose::search::Seen;
     use crate::diagnose::{Candidate, Models};
     use crate::fit::{FitOptions, fit};
     use crate::toy::{Toy, campaign, run};
@@ -116,9 +112,10 @@ mod tests {
         let campaign = campaign(vec![(Role::Fit, record)], (0.1, 1e-4));
         let data = Data::new(&campaign, Some(Role::Fit), &toy).expect("a fit run");
         let models = Models::new(&data, &toy);
-        let mut observed = fit(&data, &toy, &FitOptions::default()).expect("a fit");
-        let set = Candidate::exactly(&data, Vec::new(), Box::new(Toy::new()), observed.clone());
-        observed.parameters.iter_mut().for_each(|p| p.value *= 1.1);
+        let best = fit(&data, &toy, &FitOptions::default()).expect("a fit");
+        let set = Candidate::exactly(&data, Vec::new(), Box::new(Toy::new()), best);
+        let mut observed = Seen::of(&set.fit);
+        observed.known.iter_mut().for_each(|(_, value)| *value *= 1.1);
         let again =
             models.through_beginnings(&set, &toy, &observed, Derivatives::AnewWhereRugged).expect("a fit");
         // A step that gains less than two standard errors ends a fit of a search.
@@ -127,7 +124,7 @@ mod tests {
             again.fit.values.iter().zip(&set.fit.values).zip(stds).map(|((a, b), std)| (a - b).abs() / std);
         let most = off.fold(0.0, f64::max);
         assert!(most < 2.0, "{most}");
-        observed.evaluation.rms *= 2.0;
+        observed.error *= 2.0;
         assert!(models.through_beginnings(&set, &toy, &observed, Derivatives::Corrected).is_none());
     }
 }

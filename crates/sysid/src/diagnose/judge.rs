@@ -1,11 +1,11 @@
 //! The verdict: what the holdout runs, read here for the first time, say of the base model and of the set that was chosen.
 
 use super::compare::{excess, runs_helped};
+use super::exchange::all_but;
 use super::policy::{
     ADEQUATE, EXPLAINED, HOLDS_UP, LEFT_SHARE, LITTLE_LEFT, MOST_OF_IT, NAMED_SHARE, STEP_SHARE, TIED_COST,
     WITHIN_UNCERTAINTY, WORTH_NAMING,
 };
-use super::search::all_but;
 use super::windows::in_windows;
 use super::{Candidate, Found};
 use crate::Error;

@@ -6,6 +6,7 @@ use super::policy::{
     DEAR_STEPS, FAR_FROM_KNOWN, FREED_ROUNDS, HALF_STEPS, NEAR_FLOOR, NOTHING_MORE, WORTH_SQUARED_NOISE,
 };
 use super::refine::{Models, finishing};
+use super::search::Seen;
 use super::starts::{freed, with_nominal_base};
 use super::{Candidate, count, with_effects};
 use crate::Error;
@@ -94,8 +95,9 @@ impl Models<'_> {
             return fit;
         }
         let observed = self.observing(set, &with_nominal_base(self.exact, &set.known()));
-        let again =
-            observed.and_then(|o| self.through_beginnings(set, model, &o.fit, Derivatives::AnewWhereRugged));
+        let again = observed.and_then(|o| {
+            self.through_beginnings(set, model, &Seen::of(&o.fit), Derivatives::AnewWhereRugged)
+        });
         again.map(|again| again.fit).filter(|again| again.cost < fit.cost).unwrap_or(fit)
     }
 

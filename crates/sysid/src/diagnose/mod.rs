@@ -18,6 +18,7 @@ mod count;
 mod counting;
 mod curves;
 mod dependence;
+mod exchange;
 mod excitations;
 mod experiment;
 mod fits;
@@ -245,6 +246,7 @@ fn search<'a>(
         tried: vec![first],
         promises: Vec::new(),
         observed: Vec::new(),
+        screened: Vec::new(),
         ports,
         curve: None,
         progress,

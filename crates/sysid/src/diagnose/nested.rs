@@ -4,10 +4,11 @@
 use super::Candidate;
 use super::candidate::symbol;
 use super::compare::clearly_better;
+use super::exchange::all_but;
 use super::policy::TIED_COST;
 use super::refine::Models;
 use super::screen::{Known, is_amplitude};
-use super::search::{Search, all_but};
+use super::search::Search;
 use crate::fit::{EQUAL_COST, Signatures};
 use sealegs_model::{EffectCard, Parameter, Scale, SimplerAt, SimplerLaw};
 

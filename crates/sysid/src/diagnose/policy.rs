@@ -99,6 +99,19 @@ policy! {
     /// Seconds of experiment after whose simulation sets only grow, and no further looks are taken: some 75 s of two cores on
     /// a bench, where a set that explains the runs is found in a fifth of that.
     LONG_SEARCH_S = 600_000.0;
+    /// Members of a set that is grown under the observer alone: what leaves something with as many is searched in open loop.
+    SEEN_TOGETHER = 3.0;
+    /// Error over the floor under the observer up to which a set may explain everything, and is fitted in open loop; or it
+    /// leaves a hundredth of what the base model leaves there. Fits under the observer end near their minimum, not in it.
+    MAY_EXPLAIN = 2.0;
+    /// Members of a set beyond which what is screened badly is fitted alone first: it may explain what three others do not.
+    PAIR = 2.0;
+    /// Times that members are exchanged and taken out in turn: what a second time changes is rare.
+    EXCHANGES = 2.0;
+    /// Rivals of a member that are fitted at its port, and at others: a family of laws of friction has no more in common.
+    RIVALS = 3.0;
+    /// Effects of the screening in open loop that are fitted: a simulation there is dear, and a faulty sensor stands out.
+    OPEN_LOOP = 4.0;
     /// Effects in a set: a rig with more unknowns needs other experiments first.
     MOST_EFFECTS = 4.0;
     /// Starting values of an effect in the first look of the screening.

@@ -259,16 +259,16 @@ impl<'a> Models<'a> {
         near: &Candidate,
         effects: &[String],
         known: &Known,
-        observed: Option<&Fit>,
+        observed: Option<&Known>,
     ) -> Option<Candidate> {
         let model = with_effects(self.coarse.as_ref(), effects, &self.seen).ok()?;
         let mut starts = vec![values_by_name(model.as_ref(), known)];
         if let Some(observed) = observed {
             // The effects as the observer has them, beside the base model as it is nearby.
             let nearby = near.known().into_iter().filter(|(name, _)| !name.contains('.'));
-            let mixed: Known = nearby.chain(observed.known()).collect();
+            let mixed: Known = nearby.chain(observed.iter().cloned()).collect();
             starts.push(values_by_name(model.as_ref(), &mixed));
-            starts.push(values_by_name(model.as_ref(), &observed.known()));
+            starts.push(values_by_name(model.as_ref(), observed));
         }
         let cost =
             |values: &Vec<f64>| self.data.evaluate(model.as_ref(), values).map_or(f64::INFINITY, |e| e.cost);

@@ -3,10 +3,11 @@
 use super::Candidate;
 use super::candidate::symbol;
 use super::compare::{clearly_better, gain, is_seen};
+use super::exchange::all_but;
 use super::nested::simpler_id;
 use super::policy::{NEAR_FLOOR, TIED_COST};
 use super::screen::Known;
-use super::search::{Search, all_but};
+use super::search::Search;
 use crate::fit::EQUAL_COST;
 use rayon::prelude::*;
 
@@ -149,7 +150,11 @@ impl Search<'_> {
                 // Beside another law that contains it, the simpler one is that law twice. What was fitted to the end in open
                 // loop is not compared with what was fitted in windows.
                 let comparable = !self.tried[index].exact || !self.models.windowed;
-                let index = if comparable && !self.is_long() { self.pruned(index) } else { index };
+                if !comparable || self.is_long() {
+                    return self.simplified(index, tied);
+                }
+                let index = self.without_contained(index);
+                let index = self.pruned(index);
                 return self.simplified(index, tied);
             }
         }

@@ -4,28 +4,16 @@
 use super::compare::{clearly_better, excess, is_beyond_chance};
 use super::fits::has_two_magnitudes;
 use super::policy::{
-    ALIKE_COST, AT_FLOOR, DRIFTS, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, MOST_OF_IT, NEAR_FLOOR,
-    NEEDED_COST, OPEN_LOOP_WORTH, PROMISES_MOST, RIVAL_COST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE,
-    WORTH_NAMING,
+    AT_FLOOR, DRIFTS, EXCHANGES, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, OPEN_LOOP,
+    OPEN_LOOP_WORTH, PAIR, PROMISES_MOST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
 };
 use super::refine::Models;
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
 use super::starts::with_nominal_base;
 use super::{Candidate, Port, Progress, free_form};
+use crate::fit::Fit;
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, internal};
-
-/// Times that members are exchanged and taken out in turn.
-const ROUNDS: usize = 2;
-
-/// Rivals of a member that are fitted.
-const RIVALS: usize = 3;
-
-/// Effects of the screening in open loop that are fitted.
-const OPEN_LOOP: usize = 4;
-
-/// Members of a set beyond which what is screened badly is fitted alone first.
-const PAIR: usize = 2;
 
 /// Why a set grows no further.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -45,11 +33,25 @@ pub(super) struct Observed {
     pub effects: Vec<String>,
     /// The set that it was grown from.
     pub from: Vec<String>,
-    /// What it left.
-    pub cost: f64,
-    pub known: Known,
+    pub seen: Seen,
     /// Whether it gains more than chance gives, over what it was grown from.
     pub gains: bool,
+}
+
+/// What a fit under the observer came to.
+#[derive(Debug, Clone)]
+pub(super) struct Seen {
+    /// What it left, as a cost.
+    pub cost: f64,
+    /// The same as an error.
+    pub error: f64,
+    pub known: Known,
+}
+
+impl Seen {
+    pub fn of(fit: &Fit) -> Self {
+        Self { cost: fit.cost, error: fit.error(), known: fit.known() }
+    }
 }
 
 /// The search's state.
@@ -63,6 +65,8 @@ pub(super) struct Search<'a> {
     pub promises: Vec<Promise>,
     /// Every set that was fitted under the observer.
     pub observed: Vec<Observed>,
+    /// What was screened beside which sets.
+    pub screened: Vec<(Vec<String>, Screened)>,
     /// What is missing at the ports of the base model.
     pub ports: Vec<Port>,
     /// The curve at one of them that leaves least beside the base model, once it was looked for.
@@ -74,14 +78,10 @@ impl Search<'_> {
     /// Grows, exchanges and prunes from the base model (`tried[0]`); the index of the best set. Before a pair grows further, or
     /// a curve has the last word, what is screened badly is fitted alone: it may explain what three others do not.
     pub fn run(&mut self) -> usize {
-        let (mut best, mut ended) = self.grown_from(0, 1);
-        let something = !self.at_floor(best) && !self.is_explained(best);
-        let chain = if something && ended != Ended::Curve { self.grown_under_observer() } else { None };
-        if let Some(explained) = chain {
-            (best, ended) = self.grown_from(explained, MOST_EFFECTS as usize);
-        } else if ended == Ended::AtMost {
-            (best, ended) = self.grown_from(best, PAIR);
-        }
+        let (mut best, mut ended) = match self.grown_under_observer() {
+            Some(explained) => self.grown_from(explained, MOST_EFFECTS as usize),
+            None => self.grown_from(0, PAIR as usize),
+        };
         self.look_for_curve(best);
         let by_curve = ended == Ended::Curve || self.curve_beats(best);
         if by_curve || ended != Ended::AtLast {
@@ -105,7 +105,7 @@ impl Search<'_> {
         if ended == Ended::AtLast {
             return self.pruned(best);
         }
-        for _ in 0..ROUNDS {
+        for _ in 0..EXCHANGES as usize {
             let before = best;
             best = self.exchanged(best);
             best = self.pruned(best);
@@ -217,10 +217,8 @@ impl Search<'_> {
     /// Fits what screening promises beside a set; the indices. `None` where no plan promises to explain what the set leaves, and
     /// a curve at a port does.
     fn grown(&mut self, from: usize) -> Option<Vec<usize>> {
-        let (screened, beside) = self.screened(from);
-        if from == 0 {
-            self.promises.clone_from(&screened.promises);
-        }
+        let beside = self.observing(&self.tried[from]);
+        let screened = self.screened_beside(&beside.clone().unwrap_or_else(|| self.tried[from].clone()));
         let noise = 0.5 * self.models.data.floor.powi(2) * self.tried[from].validation.residuals as f64;
         let left = (self.tried[from].fit.cost - noise).max(0.0);
         let near = self.tried[from].clone();
@@ -262,13 +260,20 @@ impl Search<'_> {
         self.admitted.iter().filter(|id| chosen(id)).cloned().collect()
     }
 
-    /// What screening finds beside a set as it is under the observer, and that set; in open loop where there is no observer.
-    fn screened(&self, from: usize) -> (Screened, Option<Candidate>) {
-        let (models, candidate) = (&self.models, &self.tried[from]);
-        (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
-        let beside = self.observing(candidate);
-        let cards = addable(candidate.model.as_ref(), &models.seen, &self.admitted);
-        (self.at(beside.as_ref().unwrap_or(candidate), &cards), beside)
+    /// What screening finds beside a set as it is under the observer, or in open loop where there is none; as it was found
+    /// before, where the same set was screened beside.
+    pub(super) fn screened_beside(&mut self, beside: &Candidate) -> Screened {
+        if let Some((_, before)) = self.screened.iter().find(|(set, _)| *set == beside.effects) {
+            return before.clone();
+        }
+        (self.progress)(Progress::Screening { beside: beside.effects.clone() });
+        let cards = addable(beside.model.as_ref(), &self.models.seen, &self.admitted);
+        let screened = self.at(beside, &cards);
+        if beside.effects.is_empty() {
+            self.promises.clone_from(&screened.promises);
+        }
+        self.screened.push((beside.effects.clone(), screened.clone()));
+        screened
     }
 
     /// The most promising effects in open loop: a sensor that the observer follows hides its own fault, and a slow law (a
@@ -291,20 +296,19 @@ impl Search<'_> {
         cards.retain(|c| !models.dear || !felt(c));
         let promises = self.at(candidate, &cards).promises.into_iter().filter(|p| p.drop > 0.0);
         let alone = |p: Promise| Plan { added: vec![p.effect], drop: p.drop, start: p.start };
-        promises.take(OPEN_LOOP).map(alone).collect()
+        promises.take(OPEN_LOOP as usize).map(alone).collect()
     }
 
     /// A set as it is under the observer: from its values in open loop, or from where it was fitted there before. Play that
     /// rattles differs much between the two.
     pub fn observing(&self, set: &Candidate) -> Option<Candidate> {
-        let before = self.observed.iter().filter(|o| o.effects == set.effects);
-        let before = before.reduce(|a, b| if b.cost < a.cost { b } else { a });
+        let before = self.least_observed(|o| o.effects == set.effects);
         let open = self.models.observing(set, &with_nominal_base(self.models.exact, &set.known()));
-        let again = before.and_then(|o| self.models.observing(set, &o.known));
+        let again = before.and_then(|o| self.models.observing(set, &o.seen.known));
         open.into_iter().chain(again).reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a })
     }
 
-    pub(super) fn at(&self, beside: &Candidate, cards: &[EffectCard]) -> Screened {
+    fn at(&self, beside: &Candidate, cards: &[EffectCard]) -> Screened {
         let starts = if self.models.dear { STARTS_DEAR } else { STARTS } as usize;
         screen(self.models.data, beside, &self.models.seen, cards, starts)
     }
@@ -343,7 +347,7 @@ impl Search<'_> {
             && self.mean_square(index).sqrt() <= NEAR_FLOOR * floor
     }
 
-    fn mean_square(&self, index: usize) -> f64 {
+    pub(super) fn mean_square(&self, index: usize) -> f64 {
         self.tried[index].validation.mean_square()
     }
 
@@ -354,7 +358,7 @@ impl Search<'_> {
         let (floor, worse) = (self.models.data.floor, &self.tried[than]);
         let real = |set: &Candidate| {
             let mut observed = self.observed.iter().filter(|o| o.effects == set.effects).peekable();
-            let drifts = |o: &Observed| set.fit.cost > DRIFTS * o.cost;
+            let drifts = |o: &Observed| set.fit.cost > DRIFTS * o.seen.cost;
             let unseen = observed.peek().is_some_and(|o| self.models.dear || drifts(o));
             observed.any(|o| o.gains) || (!unseen && is_beyond_chance(worse, set))
         };
@@ -374,105 +378,15 @@ impl Search<'_> {
         Some(self.tried.len() - 1)
     }
 
-    /// Index of a set without one of its members. A fit of it from elsewhere may have ended where nothing leads on: it says
-    /// that the member is needed only if one from the whole set's values does.
-    pub(super) fn rest_of(&mut self, rest: &[String], whole: usize) -> Option<usize> {
-        let index = self.index_of(rest, whole)?;
-        let (whole, floor) = (&self.tried[whole], self.models.data.floor);
-        if rest.is_empty() || !clearly_better(&self.tried[index], whole, floor) {
-            return Some(index);
-        }
-        let again = self.models.fitted(whole, rest, &whole.known(), None);
-        Some(again.map_or(index, |again| self.kept(again)))
+    /// Of the sets like this that were fitted under the observer the one that leaves least.
+    pub(super) fn least_observed(&self, like: impl Fn(&Observed) -> bool) -> Option<&Observed> {
+        let all = self.observed.iter().filter(|o| like(o));
+        all.reduce(|a, b| if b.seen.cost < a.seen.cost { b } else { a })
     }
 
-    /// Lets members leave, the least useful first, as long as the rest is not clearly worse.
-    pub fn pruned(&mut self, mut best: usize) -> usize {
-        loop {
-            let effects = self.tried[best].effects.clone();
-            let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
-            let without: Vec<usize> = effects
-                .iter()
-                .filter_map(|leaving| {
-                    let rest = all_but(&effects, leaving);
-                    let needed = own.is_some_and(|own| {
-                        let left = self.observed_where_settled(best, &rest);
-                        left.is_some_and(|left| left.fit.cost > NEEDED_COST * own)
-                    });
-                    if needed { None } else { self.rest_of(&rest, best) }
-                })
-                .collect();
-            let floor = self.models.data.floor;
-            let as_good =
-                without.into_iter().filter(|&i| !clearly_better(&self.tried[i], &self.tried[best], floor));
-            match as_good.reduce(|a, b| if self.mean_square(b) < self.mean_square(a) { b } else { a }) {
-                Some(i) => best = i,
-                None => return best,
-            }
-        }
-    }
-
-    /// Tries rivals in the place of each member of a set of several, as they promised to be beside the base model: effects at
-    /// the same port, and those that alone leave as little as the member does.
-    fn exchanged(&mut self, best: usize) -> usize {
-        let effects = self.tried[best].effects.clone();
-        if effects.len() < 2 {
-            return best;
-        }
-        let cards = self.models.exact.effects(&self.models.seen);
-        let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
-        let mut fitted = Vec::new();
-        let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
-        for leaving in &effects {
-            let rest = all_but(&effects, leaving);
-            let promised = || self.promises.iter().filter(|p| !effects.contains(&p.effect) && p.drop > 0.0);
-            let at_port = |p: &&Promise| port(&p.effect) == port(leaving);
-            let alike = |p: &&Promise| !at_port(p) && self.leaves_as_little(&p.effect, leaving);
-            let rivals = promised().filter(at_port).take(RIVALS).chain(promised().filter(alike).take(RIVALS));
-            let mut plans: Vec<Plan> = rivals
-                .map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() })
-                .collect();
-            if let Some(own) = own {
-                let near = Candidate { effects: rest.clone(), ..self.tried[best].clone() };
-                plans.retain(|p| !self.is_beaten(&self.set_with(&near, &p.added), own));
-                if plans.is_empty() {
-                    continue;
-                }
-                let beside = self.observed_where_settled(best, &rest);
-                fitted.extend(self.fit_all(&near, beside.as_ref(), plans, Some(own)));
-            } else if let Some(without) = self.index_of(&rest, best) {
-                let near = self.tried[without].clone();
-                let beside = self.observing(&near);
-                fitted.extend(self.fit_all(&near, beside.as_ref(), plans, None));
-            }
-        }
-        let mean = |i: usize| self.mean_square(i);
-        let rival = fitted.into_iter().filter(|&i| self.tried[i].effects.len() <= effects.len());
-        rival.fold(best, |a, b| if mean(b) < mean(a) { b } else { a })
-    }
-
-    /// Whether an effect alone leaves hardly more than another one, which takes most of what the base model leaves.
-    fn leaves_as_little(&self, effect: &String, other: &String) -> bool {
-        let alone = |id: &String| self.tried.iter().find(|t| t.effects == std::slice::from_ref(id));
-        let (Some(own), Some(other)) = (alone(effect), alone(other)) else { return false };
-        let takes_most = other.fit.cost < (1.0 - MOST_OF_IT) * self.tried[0].fit.cost;
-        takes_most && own.fit.cost <= ALIKE_COST * other.fit.cost
-    }
-
-    /// Whether a set was fitted under the observer before, and left too much there to be a rival of one of this cost.
-    fn is_beaten(&self, effects: &[String], own: f64) -> bool {
-        let costs = self.observed.iter().filter(|o| o.effects == effects).map(|o| o.cost);
-        costs.reduce(f64::min).is_some_and(|least| least > RIVAL_COST * own)
-    }
-
-    /// Some members of a set that explains everything, fitted under the observer: what they leave there tells what is worth a
-    /// fit in open loop. `None` if the set leaves something, where what else is missing hides that.
-    fn observed_where_settled(&self, best: usize, effects: &[String]) -> Option<Candidate> {
-        let set = &self.tried[best];
-        if !self.models.is_settled(set, &self.tried[0]) {
-            return None;
-        }
-        self.observing(&Candidate { effects: effects.to_vec(), ..set.clone() })
+    /// A set as it was fitted under the observer from another one.
+    pub(super) fn observed_from(&self, from: &[String], effects: &[String]) -> Option<&Observed> {
+        self.observed.iter().find(|o| o.from == from && o.effects == effects)
     }
 
     /// The index of a fitted set: among those tried, where the better of two fits of one set stays, or one to the end.
@@ -490,9 +404,4 @@ impl Search<'_> {
             }
         }
     }
-}
-
-/// A set without one of its members.
-pub(super) fn all_but(effects: &[String], leaving: &str) -> Vec<String> {
-    effects.iter().filter(|e| *e != leaving).cloned().collect()
 }
