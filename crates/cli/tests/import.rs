@@ -130,6 +130,7 @@ fn bench_and_actuator_are_those_of_the_columns() {
         ("time_s,motor_torque_nm,joint_angle_rad", "pendulum", "rigid-rotary"),
         ("time_s,motor_force_n,position_m", "free", "rigid-linear"),
         ("time_s,current_a,motor_angle_rad,force_1_n", "locked", "thor-linear"),
+        ("time_s,motor_torque_nm,spring_torque_nm,output_torque_nm", "locked", "rmd-x8-rotary-sea"),
         ("time_s,elbow.torque_nm,elbow.angle_rad", "pendulum", "rigid-rotary"),
     ];
     for (number, (columns, bench, actuator)) in logs.into_iter().enumerate() {

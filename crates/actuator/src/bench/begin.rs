@@ -5,12 +5,12 @@ use super::{BenchModel, FirstRows};
 use nalgebra::{Matrix2, Vector2};
 use sealegs_model::{Model, ModelError, Record};
 
-/// Steps of Gauss and Newton; the motion of a few rows is nearly linear in its start.
-const STEPS: usize = 2;
+/// Steps of Gauss and Newton to a start; the motion of a few rows is nearly linear in it.
+pub const START_STEPS: usize = 2;
 
 /// Standard deviations that a start stays within of what its rows tell, as a sensor's gain does: where the model is wrong,
 /// noise that is far smaller than its error would otherwise move it anywhere.
-const LIMIT: f64 = 3.0;
+pub const START_LIMIT: f64 = 3.0;
 
 impl BenchModel {
     /// The same model, the start of a record's run where a simulation with the nominal values begins it: first rows that tell
@@ -54,7 +54,7 @@ pub(super) fn start(
     };
     let cost = |r: &[f64], at: &Vector2<f64>| r.iter().map(|r| r * r).sum::<f64>() + at.norm_squared();
     let Some(mut left) = residual(&at) else { return of(&at) };
-    for _ in 0..STEPS {
+    for _ in 0..START_STEPS {
         let moved = [Vector2::x(), Vector2::y()].map(|by: Vector2<f64>| residual(&(at + by)));
         let [Some(x), Some(v)] = moved else { break };
         let (mut normal, mut right) = (Matrix2::identity(), -at);
@@ -64,7 +64,7 @@ pub(super) fn start(
             right += slope * *left;
         }
         let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else { break };
-        let next = (at + step).map(|x| x.clamp(-LIMIT, LIMIT));
+        let next = (at + step).map(|x| x.clamp(-START_LIMIT, START_LIMIT));
         match residual(&next) {
             Some(after) if cost(&after, &next) < cost(&left, &at) => (at, left) = (next, after),
             _ => break,

@@ -24,8 +24,10 @@ mod run;
 mod sensor;
 mod signature;
 mod start;
+mod stated;
 mod step;
 
+pub use begin::{START_LIMIT, START_STEPS};
 pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE};
 pub use fed::{Fed, command_times};
 pub use kind::Bench;
@@ -127,23 +129,7 @@ impl BenchModel {
             observed: None,
             runs: Vec::new(),
         };
-        for effect in wanted {
-            let seen = Excitation { measured: OUTPUTS.map(str::to_owned).to_vec(), ..Excitation::default() };
-            let unknown = |field: String, value: &str, admitted: String| {
-                ActuatorError::value(format!("effect.{field}"), value.to_owned(), admitted)
-            };
-            let before = model.parameters.len();
-            model.include(&effect.id, &seen).map_err(|e| {
-                unknown("id".to_owned(), &effect.id, format!("an effect of the catalogue: {e}"))
-            })?;
-            for (name, given) in &effect.parameters {
-                let full = format!("{}.{name}", effect.id);
-                let Some(parameter) = model.parameters[before..].iter_mut().find(|p| p.name == full) else {
-                    return Err(unknown(full, name, "a parameter of this effect".to_owned()));
-                };
-                effect.state(*given, parameter);
-            }
-        }
+        model.take_stated(&wanted)?;
         Ok(model)
     }
 

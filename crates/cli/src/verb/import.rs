@@ -259,12 +259,15 @@ fn rig(logs: &[(&Path, Log, Survey)]) -> String {
              actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n"
         );
     }
-    // A bench of one of our own actuators measures at least its rotor.
-    let ours = ["force_1_n", "force_2_n", "spring_deflection_m", "spring_torque_nm", "motor_angle_rad"];
-    if ours.into_iter().any(has) {
-        "bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
-         actuator = \"thor-linear\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n"
-            .to_owned()
+    // A bench of an actuator with a spring measures at least its rotor.
+    let turning = ["spring_torque_nm", "spring_deflection_rad"].into_iter().any(has);
+    let ours = ["force_1_n", "force_2_n", "spring_deflection_m", "motor_angle_rad"];
+    if turning || ours.into_iter().any(has) {
+        let sprung = if turning { "rmd-x8-rotary-sea" } else { "thor-linear" };
+        format!(
+            "bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
+             actuator = \"{sprung}\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n"
+        )
     } else if has("joint_angle_rad") {
         format!(
             "bench = \"pendulum\"         # TODO: what it was recorded on: pendulum, free (nothing hangs on it), robot\n\

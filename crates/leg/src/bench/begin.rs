@@ -8,16 +8,9 @@
 use super::RobotModel;
 use super::joint::Column;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use sealegs_actuator::bench::{LONGEST_S, Start, rows_within, start_of};
+use sealegs_actuator::bench::{LONGEST_S, START_LIMIT, START_STEPS, Start, rows_within, start_of};
 use sealegs_model::{ModelError, Record};
 use std::sync::Arc;
-
-/// Steps of Gauss and Newton, and corrections beside a loop; the motion of a few rows is nearly linear in its start.
-const STEPS: usize = 2;
-
-/// Standard deviations that a start stays within of what its rows tell: where the model is wrong, noise that is far smaller
-/// than its error would otherwise move it anywhere.
-const LIMIT: f64 = 3.0;
 
 /// The start of a record's run.
 #[derive(Debug, Clone, Default)]
@@ -109,7 +102,7 @@ fn corrected(record: &Record, robot: &RobotModel, mut at: Vec<(f64, f64)>) -> Ve
     let places = robot.positions().into_iter().enumerate();
     let (joints, channels): (Vec<usize>, Vec<String>) =
         places.filter(|(_, place)| first.output(place).is_some()).unzip();
-    for _ in 0..STEPS {
+    for _ in 0..START_STEPS {
         // What cannot be simulated is said when it is to be compared.
         let Ok(shown) = robot.shown_from(&robot.nominal(), &first, &at, &channels) else { break };
         for ((joint, channel), shown) in joints.iter().zip(&channels).zip(shown) {
@@ -189,10 +182,10 @@ impl RobotModel {
             return Ok(begin.at.clone());
         };
         let mut off = DVector::zeros(rough.unknown.len());
-        for _ in 0..STEPS {
+        for _ in 0..START_STEPS {
             let left = rough.first.left(self, values, &rough.moved(&begin.at, &off))?;
             off += rough.factor.solve(&(rough.slopes.tr_mul(&left) - &off));
-            off.apply(|x| *x = x.clamp(-LIMIT, LIMIT));
+            off.apply(|x| *x = x.clamp(-START_LIMIT, START_LIMIT));
         }
         Ok(rough.moved(&begin.at, &off))
     }

@@ -2,7 +2,7 @@
 
 use super::addition::{self, Added, Summary};
 use super::confidence::Confidence;
-use super::outcome::{ForceSaid, Outcome, Ranked, RungSaid, Side, Work, parameters, percent};
+use super::outcome::{ForceSaid, Outcome, OutcomeKind, Ranked, RungSaid, Side, Work, parameters, percent};
 use super::provenance::Provenance;
 use super::story::{Sides, Story};
 use super::units::Units;
@@ -300,7 +300,7 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
             parameters: parameters(&added.after.fit),
         }],
         base,
-        verdict: "added",
+        verdict: OutcomeKind::Added,
         effects: added.effects.clone(),
         indistinguishable: Vec::new(),
         same_by_another_name: Vec::new(),

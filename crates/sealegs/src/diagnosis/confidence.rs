@@ -1,7 +1,7 @@
 //! How sure a verdict is, and why: what a reader must know before the numbers are used.
 
 use super::bounds;
-use super::outcome::{Outcome, ParameterValue, Side};
+use super::outcome::{Outcome, OutcomeKind, ParameterValue, Side};
 use crate::report::units::error;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -64,7 +64,7 @@ impl Outcome {
     /// its bounds, too. None of what was asked for.
     pub(super) fn bounded(&self) -> &[ParameterValue] {
         match (self.verdict, &self.after) {
-            ("added", _) => &[],
+            (OutcomeKind::Added, _) => &[],
             (_, Some(after)) if !self.stays() || self.left(after) < NEXT_TO_NOTHING => &after.parameters,
             _ => &self.base.parameters,
         }
@@ -105,8 +105,8 @@ impl Confidence {
         let stays = o.stays();
         let mut reasons = Vec::new();
         match o.verdict {
-            "added" => return Self::default(),
-            "unexplained" => {
+            OutcomeKind::Added => return Self::default(),
+            OutcomeKind::Unexplained => {
                 let base = error(o.base.holdout_error);
                 match &o.law {
                     Some(law) => {
@@ -128,7 +128,7 @@ impl Confidence {
                 }
                 return Self { level: Level::Open, reasons, intervals_conditional: true };
             }
-            "partly-explained" => {
+            OutcomeKind::PartlyExplained => {
                 reasons.push(format!(
                     "It explains a part: {} of the residual's energy above the noise floor remains and is structured.",
                     super::outcome::percent(o.unexplained_share)
@@ -155,13 +155,13 @@ impl Confidence {
         if off.len() > MOST {
             reasons.push(format!("So do {} more parameters.", off.len() - MOST));
         }
-        let intervals_conditional = o.verdict == "partly-explained" || stays || !off.is_empty();
+        let intervals_conditional = o.verdict == OutcomeKind::PartlyExplained || stays || !off.is_empty();
         if !reasons.is_empty() {
             return Self { level: Level::Reserved, reasons, intervals_conditional };
         }
         let floor = format!("{} noise units, noise floor {}", error(side.holdout_error), error(floor));
         reasons.push(match o.verdict {
-            "adequate" => format!("The base model predicts the held-out runs to the noise floor ({floor})."),
+            OutcomeKind::Adequate => format!("The base model predicts the held-out runs to the noise floor ({floor})."),
             _ => format!(
                 "It brings the held-out runs to the noise floor ({floor}), no other effect of the catalogue does it with as few \
                  parameters, and no parameter of the base model ends at a bound or far from its nominal value."

@@ -12,6 +12,10 @@ const ASTRAY: f64 = 0.2;
 /// Pieces that the longest run is proposed to be cut into, and the shortest one, s.
 const PIECES: (f64, f64) = (10.0, 0.5);
 
+/// Pieces that the longest run must make to be worth cutting: fewer are hardly shorter than the runs that its user gave, or than
+/// pieces that it was cut into before.
+const FEWEST_PIECES: f64 = 5.0;
+
 /// How far a joint goes astray in open loop.
 pub(crate) struct Astray {
     /// The channel that is furthest astray.
@@ -20,8 +24,8 @@ pub(crate) struct Astray {
     pub share: f64,
     /// Length of the pieces that the runs are proposed to be cut into, s.
     pub piece_s: f64,
-    /// How many of them the longest fit run is.
-    pub pieces: f64,
+    /// The longest fit run, s.
+    longest_s: f64,
 }
 
 impl Astray {
@@ -44,23 +48,35 @@ impl Astray {
         let furthest = left.into_iter().filter_map(astray);
         let (channel, share) =
             furthest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share > ASTRAY)?;
-        let longest = campaign.runs_of(Role::Fit).map(|run| run.record.duration_s()).fold(0.0, f64::max);
+        let longest_s = campaign.runs_of(Role::Fit).map(|run| run.record.duration_s()).fold(0.0, f64::max);
         // As it is said.
-        let piece_s = (10.0 * (longest / PIECES.0).max(PIECES.1)).round() / 10.0;
-        Some(Self { channel: channel.to_owned(), share, piece_s, pieces: longest / piece_s })
+        let piece_s = (10.0 * (longest_s / PIECES.0).max(PIECES.1)).round() / 10.0;
+        Some(Self { channel: channel.to_owned(), share, piece_s, longest_s })
+    }
+
+    /// Whether the runs are long enough to be cut.
+    pub(super) fn is_worth_cutting(&self) -> bool {
+        self.longest_s >= FEWEST_PIECES * self.piece_s
     }
 
     /// How far, in a sentence.
     fn said(&self) -> String {
+        let within = match self.is_worth_cutting() {
+            true => "In open loop".to_owned(),
+            false => format!("Within the {:.1} s of a run", self.longest_s),
+        };
         format!(
-            "In open loop the model goes astray: it leaves {:.0} % of what {} does.",
+            "{within} the model goes astray: it leaves {:.0} % of what {} does.",
             100.0 * self.share,
             self.channel
         )
     }
 
-    /// What to do about it.
+    /// What to do about it, if anything can be done.
     pub(crate) fn advice(&self) -> String {
+        if !self.is_worth_cutting() {
+            return self.said();
+        }
         format!(
             "{} `window_s = {:.1}` in the campaign cuts its runs into pieces that each begin at the measured state.",
             self.said(),
@@ -115,8 +131,11 @@ mod tests {
         let astray = |bench, rms| Astray::of(&on(bench), Role::Holdout, [left(rms)]);
         let half = astray(Bench::Free, 0.0354).expect("half of it is left");
         let said = half.advice();
-        assert!((half.piece_s, half.pieces.round()) == (2.0, 10.0) && half.cut().contains("pieces of 2.0 s"));
+        assert!(half.is_worth_cutting() && half.cut().contains("pieces of 2.0 s"));
         assert!(said.contains("leaves 50 %") && said.contains("window_s = 2.0"), "{said}");
+        let again = on(Bench::Free).cut_into(half.piece_s);
+        let piece = Astray::of(&again, Role::Holdout, [left(0.0354)]).expect("half of it is left").advice();
+        assert!(piece.starts_with("Within the 2.0 s of a run") && !piece.contains("window_s"), "{piece}");
         assert!(astray(Bench::Free, 0.01).is_none() && astray(Bench::Locked, 0.0354).is_none());
     }
 

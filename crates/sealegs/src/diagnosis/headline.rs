@@ -1,7 +1,7 @@
 //! The first screen of a diagnosis's report: what is missing, how sure, the ladder, the missing force, rivals, what to do next.
 
 use super::confidence::Level;
-use super::outcome::{Outcome, ParameterValue, RungSaid, percent};
+use super::outcome::{Outcome, OutcomeKind, ParameterValue, RungSaid, percent};
 use super::sentence::TOLD;
 use super::text::{another_name, other_conventions};
 use crate::report::units::{capital, error, symbol, with_interval};
@@ -26,10 +26,10 @@ fn in_words(effect: &str) -> String {
 pub(super) fn sentence(o: &Outcome) -> String {
     let set = o.effects.iter().map(|e| in_words(e)).collect::<Vec<_>>().join(" and ");
     match o.verdict {
-        "adequate" => "Nothing is missing: the model fits to the noise floor".to_owned(),
-        "missing-effect" => format!("Missing: {set}"),
-        "partly-explained" => format!("Partly explained by {set}"),
-        "added" => format!("Added: {set}"),
+        OutcomeKind::Adequate => "Nothing is missing: the model fits to the noise floor".to_owned(),
+        OutcomeKind::MissingEffect => format!("Missing: {set}"),
+        OutcomeKind::PartlyExplained => format!("Partly explained by {set}"),
+        OutcomeKind::Added => format!("Added: {set}"),
         _ if o.law.is_some() => format!(
             "Not explained by any known effect: something at {} that depends on {}",
             o.law.as_ref().map_or("", |l| &l.port),
@@ -179,7 +179,7 @@ fn rivals(o: &Outcome) -> Vec<String> {
 /// What to do next.
 fn next(o: &Outcome, command: &str) -> Vec<String> {
     let mut lines = Vec::new();
-    if !o.effects.is_empty() && o.verdict != "added" {
+    if !o.effects.is_empty() && o.verdict != OutcomeKind::Added {
         lines.push(format!(
             "$ sealegs add {}{} --campaign {} -o better.toml",
             o.effects.join("+"),
@@ -195,7 +195,7 @@ fn next(o: &Outcome, command: &str) -> Vec<String> {
             to_model_of(command),
             campaign_of(command)
         ));
-    } else if o.verdict == "unexplained" {
+    } else if o.verdict == OutcomeKind::Unexplained {
         lines.push(
             "Describe the missing force yourself: an effect as an expression, given with --effect."
                 .to_owned(),
@@ -281,7 +281,7 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str, foremost: Op
         match (&o.missing_force, foremost) {
             (Some(missing), _) => {
                 let (chart, mut caption) = (force::chart(missing), force::caption(missing, &o.effects));
-                if o.verdict == "adequate" {
+                if o.verdict == OutcomeKind::Adequate {
                     caption.push_str(" No effect follows from it: without one the model predicts the held-out runs to their noise.");
                 }
                 page.side_by_side(&[(&ladder, rungs), (&chart, &caption)]);
@@ -298,7 +298,7 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str, foremost: Op
             }
         }
         let mut cards = vec![("Judged on", judged(o))];
-        if o.verdict != "added" {
+        if o.verdict != OutcomeKind::Added {
             cards.insert(0, ("Rivals", rivals(o)));
             cards.insert(1, ("What to do next", next(o, command)));
         }
@@ -380,8 +380,8 @@ mod tests {
         );
         let (stays, conditional, why) = level(&|o| o.after.as_mut().unwrap().holdout_error = 1.2);
         assert!(stays == Level::Reserved && conditional && why.contains("1.20"), "{why}");
-        assert_eq!(level(&|o| o.verdict = "partly-explained").0, Level::Reserved);
-        assert_eq!(level(&|o| o.verdict = "unexplained").0, Level::Open);
+        assert_eq!(level(&|o| o.verdict = OutcomeKind::PartlyExplained).0, Level::Reserved);
+        assert_eq!(level(&|o| o.verdict = OutcomeKind::Unexplained).0, Level::Open);
         let without_interval = |o: &mut Outcome| o.after.as_mut().unwrap().parameters[1].at_bound = true;
         let mut o = toy();
         without_interval(&mut o);
@@ -399,7 +399,7 @@ mod tests {
     #[test]
     fn a_curve_beyond_the_catalogue_is_the_last_step() {
         let mut o = toy();
-        (o.verdict, o.effects, o.after) = ("unexplained", Vec::new(), None);
+        (o.verdict, o.effects, o.after) = (OutcomeKind::Unexplained, Vec::new(), None);
         o.ladder.truncate(1);
         let curve =
             Curve { over: Over::Speed, times: Factor::One, x: vec![-1.0, 1.0], y: vec![3.0, -3.0], dry: 0.0 };

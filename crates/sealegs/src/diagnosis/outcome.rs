@@ -17,6 +17,33 @@ use sealegs_sysid::{Campaign, Data, Fit, Role, residual};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// What a diagnosis says of a base model; `added` where effects that were asked for were fitted, and nothing was searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutcomeKind {
+    /// It predicts the held-out runs to the noise floor.
+    Adequate,
+    /// The named effects explain what it does not.
+    MissingEffect,
+    /// The named effects help on the held-out runs, but something structured stays.
+    PartlyExplained,
+    /// No known effect helps on the held-out runs.
+    Unexplained,
+    /// The effects that were asked for were added to it.
+    Added,
+}
+
+impl From<VerdictKind> for OutcomeKind {
+    fn from(kind: VerdictKind) -> Self {
+        match kind {
+            VerdictKind::Adequate => Self::Adequate,
+            VerdictKind::MissingEffect => Self::MissingEffect,
+            VerdictKind::PartlyExplained => Self::PartlyExplained,
+            VerdictKind::Unexplained => Self::Unexplained,
+        }
+    }
+}
+
 /// The contract's keys, and a few more.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Outcome {
@@ -26,9 +53,8 @@ pub struct Outcome {
     pub noise_floor: f64,
     /// The refitted base model.
     pub base: Side,
-    /// `adequate`, `missing-effect`, `partly-explained` or `unexplained`.
-    #[schemars(extend("enum" = ["adequate", "missing-effect", "partly-explained", "unexplained"]))]
-    pub verdict: &'static str,
+    /// What is said of the base model.
+    pub verdict: OutcomeKind,
     /// The effects that are named.
     pub effects: Vec<String>,
     /// Other sets that these data cannot tell from them.
@@ -337,7 +363,7 @@ impl Outcome {
             campaign: campaign.name.clone(),
             noise_floor: verdict.floor,
             base: side(&verdict.base),
-            verdict: verdict.kind.as_str(),
+            verdict: verdict.kind.into(),
             effects: verdict.effects.clone(),
             indistinguishable: verdict.indistinguishable.clone(),
             same_by_another_name: verdict.same_by_another_name.clone(),

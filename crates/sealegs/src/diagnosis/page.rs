@@ -1,6 +1,6 @@
 //! A diagnosis as one self-contained page: the answer first, then where the model fails, then everything else, folded.
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, OutcomeKind};
 use super::story::Story;
 use super::text::{digits_for, evidence, figures as number};
 use super::{figures, friction, headline};
@@ -20,7 +20,8 @@ const RANKED: usize = 12;
 #[must_use]
 pub fn of(story: &Story) -> String {
     let outcome = story.outcome;
-    let what = if outcome.verdict == "added" { "a better model" } else { "which effect is missing" };
+    let what =
+        if outcome.verdict == OutcomeKind::Added { "a better model" } else { "which effect is missing" };
     let mut page = Report::new(&format!("{}: {what}", outcome.campaign));
     page.wide().subtitle(&outcome.provenance.model);
     let models = fails::Models { before: figures::BEFORE, after: figures::AFTER };

@@ -19,10 +19,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Pieces that the longest run must make for a campaign to be cut into them unasked: fewer are hardly shorter than what
-/// its user gave.
-const FEWEST_PIECES: f64 = 5.0;
-
 /// Which physical effect a model lacks, or that none is missing or none is known.
 #[derive(Debug)]
 pub struct Diagnosis {
@@ -130,7 +126,7 @@ impl Diagnosis {
     /// the joint moves: an arm that stands upright falls with the true model, too, and says nothing of what is missing. Not where
     /// its runs are short already.
     fn hidden_by_drift(&self) -> Option<Astray> {
-        let astray = self.outcome.astray(&self.campaign).filter(|astray| astray.pieces >= FEWEST_PIECES)?;
+        let astray = self.outcome.astray(&self.campaign).filter(Astray::is_worth_cutting)?;
         let hidden = match self.found.verdict.kind {
             VerdictKind::Unexplained => true,
             VerdictKind::PartlyExplained => astray.share > 1.0,

@@ -1,7 +1,7 @@
 //! The verdict in one sentence, and the channel that pictures it.
 
 use super::headline::set_with_values;
-use super::outcome::{ChannelSaid, Outcome, percent};
+use super::outcome::{ChannelSaid, Outcome, OutcomeKind, percent};
 use crate::report::units::{error, with_interval};
 
 impl Outcome {
@@ -41,18 +41,18 @@ pub(super) fn sentence(o: &Outcome) -> String {
     let first = super::bounds::sentence(o.bounded());
     let first = first.map_or_else(String::new, |first| format!("{first} "));
     let verdict = match (o.verdict, &o.after) {
-        ("adequate", _) => format!(
+        (OutcomeKind::Adequate, _) => format!(
             "Nothing is missing: with its own parameters refitted, the base model is at the noise floor on the held-out \
              runs (error {:.3}, noise floor {floor:.2} noise units).",
             o.base.holdout_error
         ),
-        ("missing-effect", Some(after)) => format!(
+        (OutcomeKind::MissingEffect, Some(after)) => format!(
             "Missing: {set}. It takes the error on the held-out runs from {base} to {:.3} noise units (noise \
              floor {floor:.2}); {} of the residual energy above the noise floor is left.{pictured}",
             after.holdout_error,
             percent(o.unexplained_share)
         ),
-        ("partly-explained", Some(after)) => format!(
+        (OutcomeKind::PartlyExplained, Some(after)) => format!(
             "Partly explained: {set} takes the error on the held-out runs from {base} to {} noise units, but {} of the \
              residual energy above the noise floor ({floor:.2}) remains and is structured.{pictured}{law}",
             said(after.holdout_error),

@@ -2,7 +2,9 @@
 
 use super::confidence::Confidence;
 use super::headline::screen;
-use super::outcome::{BranchSaid, ForceSaid, Outcome, ParameterValue, Ranked, RungSaid, Side, Work};
+use super::outcome::{
+    BranchSaid, ForceSaid, Outcome, OutcomeKind, ParameterValue, Ranked, RungSaid, Side, Work,
+};
 use super::provenance::Provenance;
 use sealegs_recorder::report::Report;
 
@@ -44,7 +46,7 @@ pub(super) fn toy() -> Outcome {
         campaign: "toy".to_owned(),
         noise_floor: 1.0,
         base: side(40.0, vec![stiffness()]),
-        verdict: "missing-effect",
+        verdict: OutcomeKind::MissingEffect,
         effects: effects.clone(),
         indistinguishable: Vec::new(),
         same_by_another_name: Vec::new(),
