@@ -98,19 +98,22 @@ mod tests {
 
     #[test]
     fn a_count_is_one_of_what_the_drive_is_commanded_by() {
-        let stated = |name: &str| {
-            let mut spec = ActuatorSpec::preset("thor-linear").expect("a preset");
+        let stated = |preset: &str, bench, name: &str| {
+            let spec = ActuatorSpec::preset(preset).expect("a preset");
             let parameters = [(name.to_owned(), EffectValue { value: 0.02, std: None })].into();
-            spec.effects =
+            let effects =
                 vec![EffectSpec { id: "command-quantisation".to_owned(), parameters, definition: None }];
-            BenchModel::new(spec, Bench::Locked)
+            BenchModel::new(ActuatorSpec { effects, ..spec }, bench)
         };
-        for name in ["count", "count_a", "count_v"] {
-            let model = stated(name).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let sprung = ("thor-linear", Bench::Locked);
+        let servo = ("hobby-servo", Bench::Free { load: 0.01 });
+        for ((preset, bench), name) in [(sprung, "count"), (sprung, "count_a"), (servo, "count_v")] {
+            let model = stated(preset, bench, name).unwrap_or_else(|e| panic!("{name}: {e}"));
             let full = format!("command-quantisation.{name}");
             assert!(model.parameters.iter().any(|p| p.name == full && p.value == 0.02), "{name}");
         }
-        let refused = stated("counts").expect_err("no such parameter").to_string();
+        let refused =
+            stated("thor-linear", Bench::Locked, "counts").expect_err("no such parameter").to_string();
         assert!(refused.contains("counts") && refused.contains("a parameter of this effect"), "{refused}");
     }
 }
