@@ -116,8 +116,7 @@ impl BenchModel {
     ) -> Result<Self, ActuatorError> {
         bench.check(&spec)?;
         let parameters = spec.base_parameters();
-        let wanted = spec.effects.clone();
-        let own = embedded(&wanted, own)?;
+        let own = embedded(&spec.effects, own)?;
         let mut model = Self {
             spec: Arc::new(spec),
             bench,
@@ -129,7 +128,7 @@ impl BenchModel {
             observed: None,
             runs: Vec::new(),
         };
-        model.take_stated(&wanted)?;
+        model.take_stated()?;
         Ok(model)
     }
 

@@ -4,15 +4,17 @@ use super::{BenchModel, OUTPUTS};
 use crate::ActuatorError;
 use crate::spec::EffectSpec;
 use sealegs_model::{Excitation, Model, ModelError, SignalRange};
+use std::sync::Arc;
 
 impl BenchModel {
-    /// Puts effects with their values into the model, in this order.
+    /// Puts the effects of the file with their values into the model, in its order.
     ///
     /// # Errors
     ///
     /// [`ActuatorError::Value`] for an effect that is not known or a parameter that the effect does not have.
-    pub(super) fn take_stated(&mut self, effects: &[EffectSpec]) -> Result<(), ActuatorError> {
-        for effect in effects {
+    pub(super) fn take_stated(&mut self) -> Result<(), ActuatorError> {
+        let spec = Arc::clone(&self.spec);
+        for effect in &spec.effects {
             let unknown = |field: String, value: &str, admitted: String| {
                 ActuatorError::value(format!("effect.{field}"), value.to_owned(), admitted)
             };
@@ -35,25 +37,28 @@ impl BenchModel {
     /// and a file does not say what its drive is commanded by: it is the first input under which the effect has all the
     /// parameters that are stated.
     fn including_stated(&self, effect: &EffectSpec) -> Result<Self, ModelError> {
-        let seen = |input: Option<&str>| {
-            let command =
-                input.map(|name| SignalRange { name: name.to_owned(), min: -1.0, max: 1.0, rms: 1.0 });
-            let (measured, ranges) = (OUTPUTS.map(str::to_owned).to_vec(), command.into_iter().collect());
-            Excitation { measured, ranges, ..Excitation::default() }
-        };
         let has_all = |model: &Self| {
             let has =
                 |name: &String| model.parameters.iter().any(|p| p.name == format!("{}.{name}", effect.id));
             effect.parameters.keys().all(has)
         };
-        let usual = self.including(&effect.id, &seen(None));
+        let usual = self.including(&effect.id, &commanded_by(None));
         if usual.as_ref().is_ok_and(has_all) {
             return usual;
         }
-        let others =
-            self.inputs().iter().filter_map(|input| self.including(&effect.id, &seen(Some(input))).ok());
+        let others = self
+            .inputs()
+            .iter()
+            .filter_map(|input| self.including(&effect.id, &commanded_by(Some(input))).ok());
         others.into_iter().find(has_all).map_or(usual, Ok)
     }
+}
+
+/// Runs of which no more is known than their command, if that is.
+fn commanded_by(input: Option<&str>) -> Excitation {
+    let command = input.map(|name| SignalRange { name: name.to_owned(), min: -1.0, max: 1.0, rms: 1.0 });
+    let measured = OUTPUTS.map(str::to_owned).to_vec();
+    Excitation { measured, ranges: command.into_iter().collect(), ..Excitation::default() }
 }
 
 #[cfg(test)]
@@ -77,9 +82,7 @@ mod tests {
             let spec = ActuatorSpec::preset(preset).expect("a preset");
             let model = BenchModel::new(spec.clone(), bench).expect("a model");
             for input in model.inputs() {
-                let command = SignalRange { name: (*input).to_owned(), min: -2.0, max: 2.0, rms: 1.0 };
-                let measured = OUTPUTS.map(str::to_owned).to_vec();
-                let seen = Excitation { measured, ranges: vec![command], ..Excitation::default() };
+                let seen = commanded_by(Some(input));
                 for card in model.effects(&seen) {
                     let what = format!("{preset}, {input}, {}", card.id);
                     let with = model.including(&card.id, &seen).unwrap_or_else(|e| panic!("{what}: {e}"));
