@@ -57,11 +57,12 @@ impl Search<'_> {
         let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
         let (mut fitted, most) = (Vec::new(), RIVALS as usize);
         let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
+        let base = self.observing(&self.tried[0]).map_or(self.tried[0].fit.cost, |base| base.fit.cost);
         for leaving in &effects {
             let rest = all_but(&effects, leaving);
             let promised = || self.promises.iter().filter(|p| !effects.contains(&p.effect) && p.drop > 0.0);
             let at_port = |p: &&Promise| port(&p.effect) == port(leaving);
-            let alike = |p: &&Promise| !at_port(p) && self.leaves_as_little(&p.effect, leaving);
+            let alike = |p: &&Promise| !at_port(p) && self.leaves_as_little(&p.effect, leaving, base);
             let rivals = promised().filter(at_port).take(most).chain(promised().filter(alike).take(most));
             let mut plans: Vec<Plan> = rivals
                 .map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() })
@@ -85,15 +86,13 @@ impl Search<'_> {
         rival.fold(best, |a, b| if mean(b) < mean(a) { b } else { a })
     }
 
-    /// Whether an effect alone leaves hardly more than another one, which takes most of what the base model leaves.
-    fn leaves_as_little(&self, effect: &String, other: &String) -> bool {
-        let of = |t: &Candidate| t.fit.cost;
+    /// Whether an effect alone leaves hardly more than another one, which takes most of the cost that the base model leaves.
+    fn leaves_as_little(&self, effect: &String, other: &String, base: f64) -> bool {
         let alone = |id: &String| {
             let set = std::slice::from_ref(id);
             let seen = self.least_observed(|o| o.effects == set).map(|o| o.seen.cost);
-            seen.or_else(|| self.tried.iter().find(|t| t.effects == set).map(of))
+            seen.or_else(|| self.tried.iter().find(|t| t.effects == set).map(|t| t.fit.cost))
         };
-        let base = self.observing(&self.tried[0]).as_ref().map_or_else(|| of(&self.tried[0]), of);
         let (Some(own), Some(other)) = (alone(effect), alone(other)) else { return false };
         other < (1.0 - MOST_OF_IT) * base && own <= ALIKE_COST * other
     }

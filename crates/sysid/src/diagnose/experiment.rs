@@ -154,7 +154,8 @@ fn propose(diagnosis: &Diagnosis, rivals: &[&Candidate], trial: Trial, apart: f6
     };
     let tied = !diagnosis.verdict.indistinguishable.is_empty();
     let settles = apart * rows.sqrt() > SETTLES;
-    let apart_text = format!("{apart:.2} noise units RMS");
+    let digits = if apart < 100.0 { 2 } else { 0 };
+    let apart_text = format!("{apart:.digits$} noise units RMS");
     let sentence = match (diagnosis.verdict.kind, tied) {
         (_, true) if settles => format!(
             "To tell {who} apart, {play}: the nearest two then come apart by {apart_text}, even after either has refitted its parameters within what is known."

@@ -9,14 +9,14 @@ use super::refine::{Models, finishing};
 use super::search::Seen;
 use super::{Candidate, values_by_name};
 use crate::data::{Data, DataRun};
-use crate::fit::{self, FitOptions};
+use crate::fit::{self, Difference, Fit, FitOptions};
 use sealegs_model::{Model, Record};
 
 /// Shares of the runs: an eighth of two seconds holds some strokes of play that rattles, and the longer the part the steeper
 /// the error's minimum.
 const SHARES: [f64; 4] = [0.125, 0.25, 0.5, 0.7];
 
-/// Share up to which a step's own gain corrects derivatives well enough.
+/// Share up to which a step's own gain corrects derivatives well enough, and the error is smooth.
 const RUGGED_FROM: f64 = 0.5;
 
 /// The derivatives that a fit of beginnings takes.
@@ -58,6 +58,28 @@ impl Models<'_> {
         };
         let start = SHARES.into_iter().fold(values_by_name(model, &observed.known), through);
         Candidate::fitted(self.data, set.effects.clone(), model.clone_box(), &options(start, 1.0)).ok()
+    }
+
+    /// How far the integrator's steps put each value of a fit off, over the first half of the runs: twice what half of them move
+    /// it by, as the error of a step at which a law switches is in proportion to it. `None` if either model cannot be fitted
+    /// there.
+    pub(super) fn off_by_steps(&self, fit: &Fit, model: &dyn Model, finer: &dyn Model) -> Option<Vec<f64>> {
+        let records = beginnings(self.data, RUGGED_FROM);
+        let data = of_beginnings(self.data, &records);
+        let fitted = |model: &dyn Model, start: &[f64]| {
+            let usual = FitOptions::of(model);
+            let options = FitOptions { start: Some(start.to_vec()), starts: 1, last: true, ..usual };
+            let options =
+                FitOptions { max_steps: HORIZON_STEPS as usize, difference: Difference::Forward, ..options };
+            fit::fit(&data, model, &options).ok()
+        };
+        let usual = fitted(model, &fit.values);
+        let off = usual.and_then(|usual| {
+            let finer = fitted(finer, &usual.values)?;
+            Some(finer.values.iter().zip(&usual.values).map(|(a, b)| 2.0 * (a - b)).collect())
+        });
+        self.data.add_work(&data);
+        off
     }
 }
 

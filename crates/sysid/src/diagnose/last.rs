@@ -26,6 +26,8 @@ impl Models<'_> {
             self.dear && candidate.effects.is_empty() && candidate.fit.error() > NEAR_FLOOR * self.data.floor;
         let again = (self.dear && !rough).then(|| self.refitted_from_known(candidate)).flatten();
         let candidate = again.as_ref().unwrap_or(candidate);
+        let lower = (self.dear && !rough).then(|| self.lower_minimum(candidate)).flatten();
+        let candidate = lower.as_ref().unwrap_or(candidate);
         let polish = || -> Result<Candidate, Error> {
             let last = self.remembering(self.last);
             let model = with_effects(last.as_deref().unwrap_or(self.exact), &candidate.effects, &self.seen)?;
@@ -103,8 +105,8 @@ impl Models<'_> {
 
     /// A last fit led on with half the integrator's steps, where that makes a difference: by the derivatives that it has, as only
     /// the values depend on the steps, by less than an interval. What the steps move a value by is part of what it is known
-    /// within. Where the error is rugged, other steps put its minimum so far away that the fit with the steps that it was
-    /// found with stays.
+    /// within. Where the steps change what is left, the error is rugged: beginnings of the runs, over which an error has not
+    /// grown yet, tell how far off the steps put a value, and the fit stays that leaves less.
     fn with_half_the_steps(&self, model: Box<dyn Model>, fit: Fit) -> (Box<dyn Model>, Fit) {
         let Some(finer) = model.finer().filter(|finer| count::held(finer.as_ref()).is_empty()) else {
             return (model, fit);
@@ -122,10 +124,15 @@ impl Models<'_> {
         };
         let Ok(led_on) = fit::fit(self.data, finer.as_ref(), &options) else { return (model, fit) };
         let worse = led_on.error().powi(2) - fit.error().powi(2);
-        let rugged = worse > WORTH_SQUARED_NOISE * self.data.floor.powi(2);
-        let (model, mut last, other) = if rugged { (model, fit, led_on) } else { (finer, led_on, fit) };
-        for (p, other) in last.parameters.iter_mut().zip(&other.values) {
-            p.std = p.std.hypot(p.value - other);
+        let rugged = worse.abs() > WORTH_SQUARED_NOISE * self.data.floor.powi(2);
+        let moved = || led_on.values.iter().zip(&fit.values).map(|(a, b)| a - b).collect();
+        let off = match rugged {
+            true => self.off_by_steps(&fit, model.as_ref(), finer.as_ref()).unwrap_or_else(moved),
+            false => moved(),
+        };
+        let (model, mut last) = if rugged && worse > 0.0 { (model, fit) } else { (finer, led_on) };
+        for (p, off) in last.parameters.iter_mut().zip(off) {
+            p.std = p.std.hypot(off);
         }
         (model, last)
     }

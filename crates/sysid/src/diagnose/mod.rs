@@ -27,6 +27,7 @@ mod grow;
 mod horizon;
 mod judge;
 mod last;
+mod minima;
 mod missing;
 mod nested;
 mod periods;

@@ -96,8 +96,8 @@ policy! {
     /// Parts of the fit runs that are left out one at a time where a set is fitted again without them: with three the others are
     /// still two thirds of what is known.
     FOLDS = 3.0;
-    /// Seconds of experiment after whose simulation sets only grow, and no further looks are taken: some 75 s of two cores on
-    /// a bench, where a set that explains the runs is found in a fifth of that.
+    /// Seconds of experiment after whose simulation sets only grow, up to pairs, and no further looks are taken: some 75 s of two
+    /// cores on a bench, where a set that explains the runs is found in a fifth of that.
     LONG_SEARCH_S = 600_000.0;
     /// Members of a set that is grown under the observer alone: what leaves something with as many is searched in open loop.
     SEEN_TOGETHER = 3.0;
@@ -179,6 +179,15 @@ policy! {
     /// Standard deviations of what is known of a base parameter beyond which a last fit starts again there, where derivatives
     /// are dear: 95 %.
     FAR_FROM_KNOWN = 2.0;
+    /// Ratio of how far the error rises a standard deviation of what is known of a base parameter away, to what its curvature
+    /// says, below which it may have other minima along that: half a period of ringing away it falls again.
+    BENDS = 0.8;
+    /// Share of the base parameters along which it bends beyond which it is rugged everywhere.
+    MOST_BEND = 0.5;
+    /// Other minima that a last fit starts from: the lowest ones.
+    OTHER_MINIMA = 2.0;
+    /// Times that it does: springs of one joint ring together, so that each shows where the other one is better.
+    OTHER_MINIMA_ROUNDS = 3.0;
     /// Most steps of a last fit with half the integrator's steps: the first corrects the values, the second that.
     HALF_STEPS = 3.0;
     /// Most steps of a fit of the beginnings of the runs: it leads to the neighbourhood of the solution.

@@ -150,12 +150,13 @@ impl Search<'_> {
                 // Beside another law that contains it, the simpler one is that law twice. What was fitted to the end in open
                 // loop is not compared with what was fitted in windows.
                 let comparable = !self.tried[index].exact || !self.models.windowed;
-                if !comparable || self.is_long() {
-                    return self.simplified(index, tied);
-                }
-                let index = self.without_contained(index);
-                let index = self.pruned(index);
-                return self.simplified(index, tied);
+                let pruned = if comparable && !self.is_long() {
+                    let once = self.without_contained(index);
+                    self.pruned(once)
+                } else {
+                    index
+                };
+                return self.simplified(pruned, tied);
             }
         }
         chosen

@@ -12,7 +12,7 @@ use super::search::Search;
 use super::starts::with_nominal_base;
 use super::{values_by_name, with_effects};
 use crate::data::Data;
-use crate::fit::{self, FitOptions};
+use crate::fit::{self, Difference, FitOptions};
 use crate::stats;
 use rayon::prelude::*;
 use sealegs_model::{Model, Parameter, Scale};
@@ -127,9 +127,12 @@ impl Models<'_> {
                     .into_par_iter()
                     .filter_map(|Place { set, values, .. }| {
                         let model = models[set].as_deref()?;
-                        let options = FitOptions { max_steps: steps, ..rough.options(model, values, near) };
+                        let usual = rough.options(model, values, near);
+                        let held = [&known[..], &usual.held[..]].concat();
+                        // Only the place is wanted, and its derivatives of the first step lead there.
+                        let difference = Difference::Secant;
                         let options =
-                            FitOptions { held: [&known[..], &options.held[..]].concat(), ..options };
+                            FitOptions { max_steps: steps, held, difference, secants: true, ..usual };
                         let fit = fit::fit(&few, model, &options).ok()?;
                         Some(Place { set, cost: fit.cost, values: fit.values })
                     })

@@ -116,8 +116,8 @@ impl Search<'_> {
         best
     }
 
-    /// Whether so much was simulated that sets only grow from now on: where nothing explains the runs, every further look costs
-    /// as much as all that is known cost so far.
+    /// Whether so much was simulated that sets only grow from now on, up to pairs: where nothing explains the runs, every further
+    /// look costs as much as all that is known cost so far.
     pub fn is_long(&self) -> bool {
         self.models.data.work().1 > LONG_SEARCH_S
     }
@@ -126,8 +126,12 @@ impl Search<'_> {
     /// further.
     fn grown_from(&mut self, mut best: usize, most: usize) -> (usize, Ended) {
         while !self.at_floor(best) {
-            if self.tried[best].effects.len() >= most {
+            let size = self.tried[best].effects.len();
+            if size >= most {
                 return (best, Ended::AtMost);
+            }
+            if size >= PAIR as usize && self.is_long() {
+                break;
             }
             // What is less than the contract's share of the base model's error is a trace: it is looked at once.
             let last = self.is_explained(best);
@@ -217,11 +221,11 @@ impl Search<'_> {
     /// Fits what screening promises beside a set; the indices. `None` where no plan promises to explain what the set leaves, and
     /// a curve at a port does.
     fn grown(&mut self, from: usize) -> Option<Vec<usize>> {
-        let beside = self.observing(&self.tried[from]);
-        let screened = self.screened_beside(&beside.clone().unwrap_or_else(|| self.tried[from].clone()));
-        let noise = 0.5 * self.models.data.floor.powi(2) * self.tried[from].validation.residuals as f64;
-        let left = (self.tried[from].fit.cost - noise).max(0.0);
         let near = self.tried[from].clone();
+        let beside = self.observing(&near);
+        let screened = self.screened_beside(beside.as_ref().unwrap_or(&near));
+        let noise = 0.5 * self.models.data.floor.powi(2) * near.validation.residuals as f64;
+        let left = (near.fit.cost - noise).max(0.0);
         let plans = screened.plans(left, from > 0);
         let seen = beside.as_ref().map_or(left, |beside| beside.fit.cost - noise);
         if from > 0 && plans.iter().all(|plan| plan.drop < PROMISES_MOST * seen) {
@@ -245,7 +249,7 @@ impl Search<'_> {
             .copied()
             .reduce(|a, b| if self.tried[b].fit.cost < self.tried[a].fit.cost { b } else { a });
         let least = least.unwrap_or(from);
-        if from == 0 && self.models.is_worth_scattering(&self.tried[least]) {
+        if from == 0 && !self.is_long() && self.models.is_worth_scattering(&self.tried[least]) {
             self.look_for_curve(least);
             if !self.curve_explains(least) {
                 fitted.extend(self.scattered(from, &fitted));
