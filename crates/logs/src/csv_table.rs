@@ -2,7 +2,7 @@
 
 use crate::LogError;
 use crate::budget::{Budget, MOST_COLUMNS};
-use crate::table::{Column, EMPTY, EXACT, Log, Places, TRUTH, Table, no_number};
+use crate::table::{Column, EMPTY, EXACT, IN_UNIT, Log, Places, TRUTH, Table, no_number};
 use std::path::Path;
 
 /// Reads the bytes of a text.
@@ -148,6 +148,8 @@ struct Building {
     headerless: bool,
     budget: Budget,
     decimal_comma: bool,
+    /// Whether the next row is the first one below a header.
+    units_may_follow: bool,
 }
 
 impl Building {
@@ -170,6 +172,7 @@ impl Building {
             headerless: false,
             budget: Budget::of_file(bytes),
             decimal_comma: start.separator == b';',
+            units_may_follow: numbers == 0,
         };
         if numbers == 0 {
             for cell in first.clone() {
@@ -201,7 +204,8 @@ impl Building {
     fn name(&mut self, path: &Path, line: u64, cell: &[u8]) -> Result<(), LogError> {
         let bad = |name: Option<&str>, problem: String| Err(LogError::new(path, line, name, problem));
         let Ok(name) = std::str::from_utf8(cell) else {
-            return bad(None, "a column's name is not UTF-8".to_owned());
+            let problem = "a column's name is not UTF-8: save the log as CSV in UTF-8 (a spreadsheet or a pickle has to be exported)";
+            return bad(None, problem.to_owned());
         };
         let name = name.trim().trim_matches('"').trim();
         if self.columns.len() == MOST_COLUMNS {
@@ -230,6 +234,16 @@ impl Building {
             return Err(LogError::new(path, line, missing, problem));
         }
         self.budget.take(count).map_err(|problem| LogError::whole(path, problem))?;
+        let cells: Vec<&[u8]> = cells.collect();
+        if self.are_units(&cells) {
+            for (column, cell) in self.columns.iter_mut().zip(&cells) {
+                let unit = String::from_utf8_lossy(cell.trim_ascii()).into_owned();
+                column.holds = (!unit.is_empty()).then(|| format!("{IN_UNIT}{unit}"));
+            }
+            self.units_may_follow = false;
+            return Ok(());
+        }
+        self.units_may_follow = false;
         self.places.note(self.columns[0].values.len(), line);
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             match number(cell, self.decimal_comma) {
@@ -248,6 +262,22 @@ impl Building {
         Ok(())
     }
 }
+
+impl Building {
+    /// Whether the first row below the header holds units: short words, and no number or truth value.
+    fn are_units(&self, cells: &[&[u8]]) -> bool {
+        let word = |cell: &&[u8]| {
+            let text = String::from_utf8_lossy(cell.trim_ascii());
+            let fault = matches!(number(cell, self.decimal_comma), Err(Odd::Fault(_)));
+            fault && text.chars().count() <= LONGEST_UNIT && !text.to_lowercase().contains("nan")
+        };
+        let said = cells.iter().filter(|c| !c.trim_ascii().is_empty()).count();
+        self.units_may_follow && 2 * said > cells.len() && cells.iter().all(word)
+    }
+}
+
+/// The longest unit's letters: `[mNm/rad]`.
+const LONGEST_UNIT: usize = 9;
 
 const NO_HEADER: &str = "no header: the first row must hold the columns' names";
 
@@ -327,6 +357,17 @@ mod tests {
         let table = read(",t\n0,0.0\n1,0.1\n").unwrap();
         assert_eq!(table.columns[0].name, "#1");
         assert!(read("t,2\n0,1\n").unwrap_err().problem.contains("no header"));
+    }
+
+    #[test]
+    fn a_row_of_units_below_the_header_is_no_row_of_numbers() {
+        let table = read("t;Winkel;Strom\n[s];[deg];A\n0;1;2\n1;2;3\n").unwrap();
+        assert_eq!(table.columns[1].values, [1.0, 2.0]);
+        assert_eq!(table.columns[1].holds.as_deref(), Some("in [deg]"));
+        assert_eq!(table.places.of(0), Place::Line(3));
+        // A cell that is no number is a fault of its row.
+        let table = read("t,q\n0,x\n1,2\n").unwrap();
+        assert!(table.rows() == 2 && table.columns[1].fault.is_some());
     }
 
     #[test]

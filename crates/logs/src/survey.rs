@@ -65,6 +65,8 @@ pub struct ColumnSurvey {
     pub unchanged: f64,
     /// What it probably is.
     pub role: Option<Role>,
+    /// Why it is nothing, where its name says something.
+    pub aside: Option<String>,
 }
 
 /// What a column probably is.
@@ -119,6 +121,7 @@ fn of_column(table: &Table, column: &Column) -> ColumnSurvey {
         constant: low == high,
         unchanged: unchanged as f64 / column.values.len().saturating_sub(1).max(1) as f64,
         role: None,
+        aside: None,
     }
 }
 

@@ -288,6 +288,9 @@ impl Rows {
 
 /// What is said of columns whose cells are true or false.
 pub(crate) const TRUTH: &str = "true and false";
+
+/// What a column holds of which a row below the header states the unit, before that.
+pub(crate) const IN_UNIT: &str = "in ";
 /// What is said of a cell without content.
 pub(crate) const EMPTY: &str = "the cell is empty";
 const MISSING: &str = "has no value here";

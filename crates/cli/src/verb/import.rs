@@ -143,6 +143,8 @@ fn content(column: &ColumnSurvey) -> String {
     if let Some(role) = &column.role {
         let settings = role.settings.as_ref().map_or_else(String::new, |s| format!(", {s}"));
         let _ = write!(said, "  -> {}{settings} ({})", role.target, role.reason);
+    } else if let Some(aside) = &column.aside {
+        let _ = write!(said, "  ({aside})");
     }
     said
 }
@@ -184,9 +186,13 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
             order.push(&column.name);
             order.len() - 1
         });
-        lines.entry((at, column.name.as_str())).or_insert(column);
+        // A column that stands still in the first file may move in the next one.
+        let kept = lines.entry((at, column.name.as_str())).or_insert(column);
+        if kept.role.is_none() && column.role.is_some() {
+            *kept = column;
+        }
     }
-    let mut taken: Vec<&str> = Vec::new();
+    let mut taken: Vec<(&str, &str)> = Vec::new();
     for column in lines.values() {
         let _ = writeln!(out, "{}", map(column, &mut taken));
     }
@@ -225,7 +231,10 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
         let _ = write!(out, "\n[[run]]\n{run}role = \"{role}\"\n");
     }
     if runs.len() == 1 {
-        out.push_str("# TODO: add a run with role = \"holdout\", which the fit does not see\n");
+        out.push_str(
+            "# TODO: a run with role = \"holdout\", which the fit does not see: another one, or the same file with\n\
+             # to_s = … here and from_s = … there\n",
+        );
     }
     Ok(out)
 }
@@ -252,32 +261,48 @@ fn rig(logs: &[(&Path, Log, Survey)]) -> String {
     let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
     // A goal of the servo's own loop, or the voltage of its motor.
     let rotary = if has("position_rad") || has("voltage_v") { "hobby-servo" } else { "rigid-rotary" };
+    let constant = match has("current_a") && rotary == "rigid-rotary" {
+        true => {
+            "# TODO: its drive takes 1 N m for 1 A. Give the current the scale of yours, as a torque:\n\
+             # \"…\" = { as = \"joint_torque_nm\", scale = N m per A }, or state torque_constant_nm_a in an actuator file.\n"
+        }
+        false => "",
+    };
     if joints(logs) > 0 {
+        let constant = constant.replace("joint_torque_nm", "JOINT.torque_nm");
         return format!(
             "bench = \"robot\"            # columns that are called by a joint\n\
              robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
-             actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n"
+             actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n{constant}"
         );
     }
-    // A bench of an actuator with a spring measures at least its rotor.
-    let turning = ["spring_torque_nm", "spring_deflection_rad"].into_iter().any(has);
-    let ours = ["force_1_n", "force_2_n", "spring_deflection_m", "motor_angle_rad"];
-    if turning || ours.into_iter().any(has) {
-        let sprung = if turning { "rmd-x8-rotary-sea" } else { "thor-linear" };
+    let spring = ["spring_torque_nm", "spring_deflection_rad"].into_iter().any(has);
+    let linear = ["force_1_n", "force_2_n", "spring_deflection_m"].into_iter().any(has);
+    // A drive without a spring that follows a goal, or whose joint is measured alone, has no load cell of a beam.
+    if spring || (linear && !has("position_rad") && !has("position_m")) {
+        let sprung = if spring { "rmd-x8-rotary-sea" } else { "thor-linear" };
+        let bench = if has("joint_angle_rad") { "pendulum" } else { "locked" };
+        let load = match bench {
+            "pendulum" => {
+                "mass_kg = 1.0              # TODO: the load of the pendulum, and its distance\nlength_m = 0.1\n"
+            }
+            _ => "",
+        };
         format!(
-            "bench = \"locked\"           # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
-             actuator = \"{sprung}\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n"
+            "bench = \"{bench}\"         # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
+             actuator = \"{sprung}\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n{load}"
         )
-    } else if has("joint_angle_rad") {
+    } else if has("joint_angle_rad") || has("motor_angle_rad") {
         format!(
             "bench = \"pendulum\"         # TODO: what it was recorded on: pendulum, free (nothing hangs on it), robot\n\
              actuator = \"{rotary}\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n\
-             mass_kg = 1.0              # TODO: the load of the pendulum, and its distance; a [[run]] may have its own\n\
-             length_m = 0.1\n"
+             # TODO: the load of the pendulum, and its distance; a [[run]] may have its own. On the bench free: inertia_kg_m2.\n\
+             mass_kg = 1.0\nlength_m = 0.1\n{constant}"
         )
     } else {
         "bench = \"free\"             # TODO: what it was recorded on: free (a carriage), locked, robot, leg\n\
-         actuator = \"rigid-linear\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n"
+         actuator = \"rigid-linear\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n\
+         mass_kg = 1.0              # TODO: what it moves\n"
             .to_owned()
     }
 }
@@ -310,7 +335,7 @@ fn are_one_run(logs: &[(&Path, Log, Survey)]) -> bool {
 }
 
 /// One line of `[columns]`; commented out where nothing is guessed, or where another column has the channel.
-fn map<'a>(column: &'a ColumnSurvey, taken: &mut Vec<&'a str>) -> String {
+fn map<'a>(column: &'a ColumnSurvey, taken: &mut Vec<(&'a str, &'a str)>) -> String {
     let source = quoted(&column.name);
     let Some(role) = &column.role else {
         let why = match column.range {
@@ -318,21 +343,33 @@ fn map<'a>(column: &'a ColumnSurvey, taken: &mut Vec<&'a str>) -> String {
             Some((low, _)) if column.constant => format!("always {}", short(low, 6)),
             Some((low, high)) => format!("{} to {}", short(low, 5), short(high, 5)),
         };
+        let why = column.aside.as_ref().map_or(why.clone(), |aside| format!("{why}; {aside}"));
         return format!("# {source} = \"\"   # {}", one_line(&why));
     };
     // Every table has its own time; a bench has one input.
     let input = |target: &str| INPUT_COLUMNS.contains(&target);
-    let free = role.target == "time_s"
-        || !taken.iter().any(|t| *t == role.target || (input(t) && input(&role.target)));
-    if free {
-        taken.push(&role.target);
+    let other = taken.iter().find(|(t, _)| *t == role.target || (input(t) && input(&role.target)));
+    let other = other.filter(|_| role.target != "time_s").map(|(_, name)| *name);
+    let mut reason = role.reason.clone();
+    if let Some(other) = other {
+        let _ = write!(reason, "; '{other}' is taken in its place");
+    } else if let Some((at, problem)) = &column.fault {
+        let _ = write!(
+            reason,
+            "; TODO: {} cells hold no number, first in {} ({problem}): delete such rows of the file, gaps are allowed",
+            column.empty,
+            place(*at)
+        );
+    }
+    if other.is_none() {
+        taken.push((&role.target, &column.name));
     }
     let said = match &role.settings {
         Some(settings) => format!("{{ as = {}, {settings} }}", quoted(&role.target)),
         None => quoted(&role.target),
     };
-    let mark = if free && column.fault.is_none() { "" } else { "# " };
-    format!("{mark}{source} = {said}   # {}", one_line(&role.reason))
+    let mark = if other.is_none() && column.fault.is_none() { "" } else { "# " };
+    format!("{mark}{source} = {said}   # {}", one_line(&reason))
 }
 
 /// A number with at most so many digits, without zeros that say nothing.

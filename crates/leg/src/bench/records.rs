@@ -51,7 +51,8 @@ impl RobotModel {
         let hint = nearest(channel, all.iter().map(String::as_str))
             .map(|n| format!("; did you mean '{n}'?"))
             .unwrap_or_default();
-        Some(format!("commands no joint of {}{hint}", self.name))
+        let joints: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
+        Some(format!("commands no joint of {}{hint}; its joints are {}", self.name, joints.join(", ")))
     }
 
     /// Whether a joint follows a goal by its own loop in any of the records.

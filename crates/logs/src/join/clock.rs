@@ -91,7 +91,11 @@ pub(super) fn clock(
     for i in 1..time_s.len() {
         if !(time_s[i] > time_s[i - 1] && time_s[i].is_finite()) {
             let what = if time_s[i] == time_s[i - 1] { "repeats" } else { "goes back" };
-            let problem = format!("time {what}: {} after {}", raw[i], raw[i - 1]);
+            let cure = match time_s[i] == time_s[i - 1] {
+                true => "delete such rows, or leave the column out and state sample_rate_hz",
+                false => "where a log begins anew, cut the file in two",
+            };
+            let problem = format!("time {what}: {} after {}; {cure}", raw[i], raw[i - 1]);
             return Err(LogError::new(&file.path, table.places.of(i), Some(&name), problem).into());
         }
     }

@@ -137,9 +137,10 @@ pub fn join(mut files: Vec<File>, request: &Request) -> Result<Joined, JoinError
         if from >= to {
             let problem = format!(
                 "{} covers {first:.6e} s to {last:.6e} s of the first clock, which has 0 s to {:.6e} s; \
-                 state its offset_s",
+                 `offset_s = {:.6}` lets both begin together",
                 table_title(&files, at),
-                lead_time[lead_time.len() - 1]
+                lead_time[lead_time.len() - 1],
+                files[at.0].offset_s - shift
             );
             return Err(LogError::whole(&files[at.0].path, problem).into());
         }

@@ -1,5 +1,6 @@
 //! What the files show without a model: missing and repeated rows, spikes, runs without a role.
 
+use super::pair::Line;
 use super::units::short;
 use super::{Finding, Problem, Severity, finding};
 use crate::campaign::{Clock, Run};
@@ -12,7 +13,34 @@ pub(super) fn look(campaign: &Campaign) -> Vec<Finding> {
     found.extend(missing_rows(campaign));
     found.extend(repeated_rows(campaign));
     found.extend(spikes(campaign));
+    found.extend(echoes(campaign));
     found
+}
+
+/// Columns that are a straight line in the command in every run in which they move: a controller's estimate, or a copy.
+fn echoes(campaign: &Campaign) -> Vec<Finding> {
+    let echo = |noise: &crate::campaign::NoiseStd| {
+        let channel = noise.channel.as_str();
+        let of_run = |run: &Run| {
+            let [input] = &run.record.inputs[..] else { return None };
+            let output = run.record.output(channel)?;
+            let size = crate::stats::std(output);
+            let line = Line::through(input.values.iter().copied().zip(output.iter().copied()));
+            let left = size * (1.0 - line.correlation.powi(2)).max(0.0).sqrt();
+            (size > 0.0).then(|| (size / left.max(f64::MIN_POSITIVE), line.slope, input.channel.clone()))
+        };
+        let runs = campaign.runs.iter().filter_map(of_run);
+        let least = runs.reduce(|a, b| if b.0 < a.0 { b } else { a })?;
+        finding(
+            Problem::EchoedCommand,
+            least.0,
+            Severity::Stops,
+            channel,
+            format!("`{channel}` is `{}` times {}, and no measurement", least.2, short(least.1)),
+            "leave it out: it is what a controller was told, or made of that".to_owned(),
+        )
+    };
+    campaign.noise.iter().filter_map(echo).collect()
 }
 
 fn no_holdout(campaign: &Campaign) -> Option<Finding> {

@@ -37,6 +37,8 @@ pub enum Problem {
     Offset,
     /// The sensors do not follow the command column.
     ForeignCommand,
+    /// A column is the command itself, and no measurement.
+    EchoedCommand,
     /// A column hardly moves and should.
     DeadColumn,
     /// A column stops at its extremes.
@@ -55,13 +57,14 @@ pub enum Problem {
 
 impl Problem {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::FlippedSign,
         Self::UnitFactor,
         Self::OddScale,
         Self::SwappedColumns,
         Self::Offset,
         Self::ForeignCommand,
+        Self::EchoedCommand,
         Self::DeadColumn,
         Self::ClippedColumn,
         Self::RepeatedRows,

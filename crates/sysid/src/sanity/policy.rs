@@ -21,7 +21,7 @@ pub struct Rule {
 ///
 /// What stops is what no effect of any catalogue can be: a diagnosis would name something else for it. Whatever an
 /// effect, a sensor or a logger can do to a rig that is wired and scaled as the file says is a remark at most.
-pub const RULES: [Rule; 13] = [
+pub const RULES: [Rule; 14] = [
     Rule {
         problem: Problem::FlippedSign,
         measure: "correlation of measured with predicted, negated, where the slope is within 3 and 1/3",
@@ -69,6 +69,14 @@ pub const RULES: [Rule; 13] = [
         stop: Some(0.9),
         origin: "the coherence of unrelated signals is that of chance, which is taken off; play, friction and hard springs leave \
                  more than half of a rig's motion coherent with its command",
+    },
+    Rule {
+        problem: Problem::EchoedCommand,
+        measure: "standard deviation of a column over what a straight line in the command leaves of it",
+        remark: 1e3,
+        stop: Some(3e4),
+        origin: "the best torque sensors of the measured campaigns resolve a thousandth of what they measure, and a rotor or a \
+                 joint obeys no straight line in its command; a copy differs by the digits of the file",
     },
     Rule {
         problem: Problem::DeadColumn,

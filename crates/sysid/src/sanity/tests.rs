@@ -236,6 +236,20 @@ fn missing_and_repeated_rows_spikes_and_runs_without_a_judge_are_said() {
 }
 
 #[test]
+fn a_column_that_is_the_command_is_no_measurement() {
+    let mut echoed = good();
+    for run in &mut echoed.runs {
+        let command = run.record.inputs[0].values.clone();
+        let copy = run.record.outputs.iter_mut().find(|s| s.channel == "force_1_n").expect("a force");
+        copy.values = command.iter().map(|v| 2.0 * v).collect();
+    }
+    let found = look(&echoed, &Toy::new());
+    let found = found.iter().find(|f| f.problem == Problem::EchoedCommand).expect("an echo");
+    assert!(found.stops() && found.evidence.contains("`motor_force_n` times 2"), "{found:?}");
+    assert!(look(&good(), &Toy::new()).iter().all(|f| f.problem != Problem::EchoedCommand));
+}
+
+#[test]
 fn exchanged_columns_of_one_unit_are_found() {
     // The toy has one column a unit: a second force is made of the first, at another scale and phase.
     use pair::{Line, Pair};

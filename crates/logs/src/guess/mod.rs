@@ -1,12 +1,15 @@
 //! What a column probably is, by the words in its name and the size of its numbers.
 
+mod name;
+
 use crate::lerobot;
 use crate::survey::{ColumnSurvey, Role};
 use crate::table::Table;
+use name::{Dimension, last_part, quantity_of, without_unit, words};
 use sealegs_model::{Unit, columns};
 
 /// What is measured or commanded.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Quantity {
     Position,
     Speed,
@@ -24,7 +27,7 @@ const WORDS: [(Quantity, &[&str]); 8] = [
     (Quantity::Temperature, &["temp", "temperature", "temps"]),
     (Quantity::Speed, &["vel", "velocity", "velocities", "speed", "omega", "qd", "dq", "qdot", "rpm"]),
     (Quantity::Torque, &["tau", "torque", "torques", "effort", "efforts", "moment", "nm"]),
-    (Quantity::Force, &["force", "forces", "load", "loadcell", "fx", "fy", "fz", "f"]),
+    (Quantity::Force, &["force", "forces", "loadcell", "cell", "fx", "fy", "fz", "f"]),
     (Quantity::Current, &["current", "currents", "curr", "cur", "iq", "amp", "amps", "ma", "i"]),
     (Quantity::Voltage, &["voltage", "volt", "volts", "vbus", "vbat", "vin", "u"]),
     (
@@ -40,16 +43,20 @@ const WORDS: [(Quantity, &[&str]); 8] = [
             "qm",
             "enc",
             "encoder",
+            "deflection",
+            "elongation",
             "deg",
             "rad",
         ],
     ),
 ];
 
-const COMMANDED: [&str; 19] = [
+const COMMANDED: [&str; 21] = [
     "cmd",
     "command",
+    "commands",
     "commanded",
+    "setpoints",
     "des",
     "desired",
     "ref",
@@ -67,6 +74,14 @@ const COMMANDED: [&str; 19] = [
     "req",
     "demand",
 ];
+
+/// Of these a topic or a list above the column may be called as well.
+const COMMANDS: [&str; 8] =
+    ["cmd", "command", "commands", "commanded", "desired", "reference", "target", "setpoints"];
+
+/// Accelerations, which no channel holds.
+const ACCELERATION: [&str; 8] =
+    ["acc", "accel", "acceleration", "accelerations", "ddot", "qdd", "ddq", "jerk"];
 
 const SUPPLY: [&str; 7] = ["supply", "bus", "vbus", "battery", "vbat", "input", "vin"];
 
@@ -87,29 +102,6 @@ const TIME: [&str; 12] = [
     "clock",
     "elapsed",
 ];
-
-/// The words of a name, small: `tau_con1` is `tau`, `con`, `1`; `jointPos` is `joint`, `pos`.
-fn words(name: &str) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
-    let mut before = ' ';
-    for c in name.chars() {
-        let kind = |c: char| (c.is_alphabetic(), c.is_ascii_digit());
-        let goes_on = kind(before) == kind(c) && !(before.is_lowercase() && c.is_uppercase());
-        if c.is_alphanumeric() {
-            match words.last_mut().filter(|_| goes_on && before.is_alphanumeric()) {
-                Some(word) => word.extend(c.to_lowercase()),
-                None => words.push(c.to_lowercase().collect()),
-            }
-        }
-        before = c;
-    }
-    words
-}
-
-/// The last of a name's parts, without the topic or list that it is in.
-fn last_part(name: &str) -> &str {
-    name.rsplit('.').find(|part| !part.is_empty()).unwrap_or(name)
-}
 
 /// Whether a name says that it is time.
 pub(crate) fn is_time(name: &str) -> bool {
@@ -150,53 +142,6 @@ pub(crate) fn time_unit(
     }
 }
 
-/// Words before a quantity that name no joint: a part of one drive, or what kind of number it is.
-const NO_JOINT: [&str; 16] = [
-    "motor", "joint", "spring", "load", "output", "input", "rotor", "link", "screw", "meas", "measured",
-    "actual", "raw", "filt", "real", "sensor",
-];
-
-/// What stands before the quantity at a name's end: `arm_1_joint` of `arm_1_joint_position`.
-fn before_quantity(name: &str) -> Option<String> {
-    let name = last_part(name);
-    let (rest, quantity) = name.rsplit_once('_')?;
-    let rest = rest.trim_matches(|c: char| !c.is_alphanumeric());
-    let is_quantity = WORDS.iter().any(|(_, list)| list.contains(&quantity.to_lowercase().as_str()));
-    let words = words(rest);
-    let no_joint = |w: &String| NO_JOINT.contains(&w.as_str()) || COMMANDED.contains(&w.as_str());
-    (is_quantity && !words.is_empty() && !words.iter().all(no_joint)).then(|| rest.to_owned())
-}
-
-/// Words that a number behind them makes the name of a joint.
-const JOINT: [&str; 10] = ["j", "joint", "axis", "ax", "dof", "motor", "m", "act", "actuator", "servo"];
-
-/// The numbered joint that a name begins with: `J1` of `J1 tau cmd`.
-fn numbered(name: &str) -> Option<&str> {
-    let name = last_part(name);
-    let letters = name.find(|c: char| !c.is_alphabetic())?;
-    let number = letters + name[letters..].find(|c: char| c.is_ascii_digit())?;
-    let end = number + name[number..].find(|c: char| !c.is_ascii_digit())?;
-    let between = name[letters..number].chars().all(|c| matches!(c, '_' | '-' | ' '));
-    (between && JOINT.contains(&name[..letters].to_lowercase().as_str())).then(|| &name[..end])
-}
-
-/// The joint that a name belongs to: what stands in its last brackets, its numbered beginning, what stands before its quantity,
-/// or the number at its end.
-fn joint(name: &str) -> Option<String> {
-    let inside = name.rfind('[').and_then(|at| name[at + 1..].strip_suffix(']'));
-    if let Some(inside) = inside {
-        return Some(match inside.parse::<u32>() {
-            Ok(number) => format!("joint{number}"),
-            Err(_) => inside.to_owned(),
-        });
-    }
-    if let Some(rest) = numbered(name).map(str::to_owned).or_else(|| before_quantity(name)) {
-        return Some(rest);
-    }
-    let digits = name.len() - name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-    (digits > 0 && digits < name.len()).then(|| format!("joint{}", &name[name.len() - digits..]))
-}
-
 /// A guess before other columns are looked at.
 struct First {
     column: usize,
@@ -207,6 +152,13 @@ struct First {
     rank: u8,
 }
 
+/// What a name comes to.
+enum Guess {
+    Role(First),
+    /// Why it has none.
+    Aside(String),
+}
+
 /// Puts a role into every column that has one.
 pub(crate) fn roles(
     table: &Table,
@@ -214,7 +166,7 @@ pub(crate) fn roles(
     joints: &[(String, String)],
     columns: &mut [ColumnSurvey],
 ) {
-    let mut guesses: Vec<First> = Vec::new();
+    let (mut guesses, mut asides): (Vec<First>, Vec<(usize, String)>) = (Vec::new(), Vec::new());
     let degrees = are_degrees(columns);
     for (i, column) in columns.iter().enumerate() {
         let values = &table.columns[i].values;
@@ -230,18 +182,20 @@ pub(crate) fn roles(
             let reason = "the data contract calls it so".to_owned();
             guesses.push(First { column: i, target, settings: None, reason, rank: 0 });
         } else {
-            guesses.extend(of_dataset(i, own, degrees).or_else(|| by_words(i, own, column)));
+            match of_dataset(i, own, degrees)
+                .map(Guess::Role)
+                .or_else(|| by_words(i, &column.name, values, column))
+            {
+                Some(Guess::Role(first)) => guesses.push(first),
+                Some(Guess::Aside(why)) => asides.push((i, why)),
+                None => {}
+            }
         }
     }
-    // Of a drive that logs its position and one torque, and no command, the torque is what drives it.
-    let count = |target: &str| guesses.iter().filter(|g| g.target == target).count();
-    let is_input = |g: &First| columns::INPUTS.contains(&g.target);
-    if count("output_torque_nm") == 1 && count("joint_angle_rad") == 1 && !guesses.iter().any(is_input) {
-        for guess in guesses.iter_mut().filter(|g| g.target == "output_torque_nm" && g.rank > 0) {
-            guess.target = "joint_torque_nm";
-            guess.reason.push_str("; nothing else drives it: the input");
-        }
+    for (i, why) in asides {
+        columns[i].aside = Some(why);
     }
+    settled_by_others(&mut guesses);
     guesses.sort_by_key(|g| g.rank);
     let several: Vec<&str> = guesses
         .iter()
@@ -254,20 +208,24 @@ pub(crate) fn roles(
         .collect();
     let several: Vec<String> = several.into_iter().map(str::to_owned).collect();
     let many_joints = !several.is_empty();
-    let mut taken: Vec<String> = Vec::new();
+    let mut taken: Vec<(String, String)> = Vec::new();
     for guess in guesses {
         let name = &table.columns[guess.column].name;
-        let of_a_joint_too = several.contains(&guess.target.to_owned()) || numbered(name).is_some();
+        let of_a_joint_too = several.contains(&guess.target.to_owned()) || name::numbered(name).is_some();
         let named = joints.iter().find(|(column, _)| column == name).map(|(_, joint)| joint.clone());
-        let place = named.or_else(|| joint(name).filter(|_| many_joints && of_a_joint_too));
+        let place = named.or_else(|| name::joint(name).filter(|_| many_joints && of_a_joint_too));
         let target = match place {
             Some(joint) => format!("{joint}.{}", of_a_joint(guess.target)),
             None => guess.target.to_owned(),
         };
-        if taken.contains(&target) {
+        // A bench has one input.
+        let input = |t: &str| columns::INPUTS.contains(&t);
+        let other = taken.iter().find(|(t, _)| *t == target || (input(t) && input(&target)));
+        if let Some((_, other)) = other {
+            columns[guess.column].aside = Some(format!("{}; '{other}' is taken in its place", guess.reason));
             continue;
         }
-        taken.push(target.clone());
+        taken.push((target.clone(), columns[guess.column].name.clone()));
         columns[guess.column].role = Some(Role { target, settings: guess.settings, reason: guess.reason });
     }
 }
@@ -283,7 +241,7 @@ fn of_a_joint(target: &str) -> &str {
     match target {
         "joint_angle_rad" => "angle_rad",
         // A robot's joints are commanded by their torques: where none is said to be commanded the measured one is taken.
-        "joint_torque_nm" | "output_torque_nm" => "torque_nm",
+        "joint_torque_nm" | "motor_torque_nm" | "output_torque_nm" => "torque_nm",
         other => other,
     }
 }
@@ -307,6 +265,12 @@ fn are_degrees(columns: &[ColumnSurvey]) -> bool {
 /// An angle beyond this is in degrees, rad.
 const DEGREES: f64 = 20.0;
 
+/// An angle beyond this is in no degrees either: a turn and a tenth.
+const LARGEST_DEGREES: f64 = 400.0;
+
+/// The fewest counts of an encoder's turn, as a power of two: 12 bits are the coarsest that servos have.
+const FEWEST_COUNTS: f64 = 12.0;
+
 /// What a column of a dataset of LeRobot is: a measured position or its goal.
 fn of_dataset(index: usize, name: &str, degrees: bool) -> Option<First> {
     let (target, what) = match list_of(name)? {
@@ -321,31 +285,58 @@ fn of_dataset(index: usize, name: &str, degrees: bool) -> Option<First> {
     Some(First { column: index, target, settings, reason, rank: 1 })
 }
 
-fn by_words(index: usize, name: &str, column: &ColumnSurvey) -> Option<First> {
-    let words = words(last_part(name));
+/// What a column is by the words and the unit in its name, and the size of its numbers.
+fn by_words(index: usize, name: &str, values: &[f64], column: &ColumnSurvey) -> Option<Guess> {
+    let (plain, unit) = without_unit(name);
+    let unit = unit.or_else(|| name::of_row(column.holds.as_deref()?));
+    let (all, words) = (words(plain), words(last_part(plain)));
     let find = |list: &[&str]| words.iter().find(|w| list.contains(&w.as_str()));
-    // The first word that means something decides: `torque_enable` is no torque because `enable` is looked for first.
-    let (quantity, word) = WORDS.iter().find_map(|(q, list)| find(list).map(|w| (*q, w.as_str())))?;
-    let commanded = find(&COMMANDED);
-    let supply = find(&SUPPLY);
-    let derived = find(&DERIVED);
+    if find(&ACCELERATION).is_some() || unit.is_some_and(|(_, of)| of.quantity().is_none()) {
+        return Some(Guess::Aside("an acceleration: no channel holds it".to_owned()));
+    }
+    let by_name = quantity_of(&words).or_else(|| quantity_of(&all));
+    let by_unit = unit.and_then(|(_, of)| of.quantity());
+    let said = |word: &str| format!("'{word}' in its name");
+    let (quantity, mut reason) = match (by_name, by_unit) {
+        // `gyro_deg_s` and `theta_rad_s` are speeds.
+        (Some((named, word)), unit) if unit.is_none_or(|unit| unit == named) => (named, said(word)),
+        (_, Some(unit)) => (unit, "the unit in its name".to_owned()),
+        (Some((named, word)), None) => (named, said(word)),
+        (None, None) if find(&["load"]).is_some() => {
+            return Some(Guess::Aside("a load in shares of the greatest one is no torque in N m".to_owned()));
+        }
+        (None, None) => return None,
+    };
+    let commanded = find(&COMMANDED).or_else(|| all.iter().find(|w| COMMANDS.contains(&w.as_str())));
+    let (supply, derived) = (find(&SUPPLY), find(&DERIVED));
+    let of_spring = find(&["spring"]).is_some();
+    let of_motor = find(&["motor", "rotor"]).is_some();
+    let long = unit.is_some_and(|(_, of)| matches!(of, Dimension::Length | Dimension::LinearSpeed));
     let target = match (quantity, commanded.is_some()) {
         (Quantity::Enable, _) => "enable",
         (Quantity::Temperature, _) => "temperature_c",
         (Quantity::Voltage, false) if supply.is_some() => "supply_v",
         (Quantity::Voltage, _) => "voltage_v",
         (Quantity::Current, _) => "current_a",
+        (Quantity::Speed, false) if long => "speed_m_s",
         (Quantity::Speed, false) => "speed_rad_s",
+        (Quantity::Speed, true) => return Some(Guess::Aside("no bench takes a commanded speed".to_owned())),
+        (Quantity::Torque, true) if of_motor => "motor_torque_nm",
         (Quantity::Torque, true) => "joint_torque_nm",
+        (Quantity::Torque, false) if of_spring => "spring_torque_nm",
         (Quantity::Torque, false) => "output_torque_nm",
-        (Quantity::Force, true) => "motor_force_n",
-        (Quantity::Force, false) => "force_1_n",
+        (Quantity::Force, commanded) if commanded || of_motor => "motor_force_n",
+        (Quantity::Force, _) => "force_1_n",
+        (Quantity::Position, false) if of_spring && long => "spring_deflection_m",
+        (Quantity::Position, false) if of_spring => "spring_deflection_rad",
+        (Quantity::Position, true) if long => {
+            return Some(Guess::Aside("no bench takes a goal in metres".to_owned()));
+        }
         (Quantity::Position, true) => "position_rad",
+        (Quantity::Position, false) if long => "position_m",
+        (Quantity::Position, false) if of_motor => "motor_angle_rad",
         (Quantity::Position, false) => "joint_angle_rad",
-        // No bench takes a commanded speed.
-        (Quantity::Speed, true) => return None,
     };
-    let mut reason = format!("'{word}' in its name");
     if let Some(word) = commanded {
         reason.push_str(&format!(", and '{word}': a command"));
     }
@@ -355,21 +346,89 @@ fn by_words(index: usize, name: &str, column: &ColumnSurvey) -> Option<First> {
     if let Some(word) = derived {
         reason.push_str(&format!("; '{word}': made by the controller"));
     }
-    let mut settings = None;
-    let size = reach(column);
-    if target.ends_with("_rad") && (find(&["deg", "degrees"]).is_some() || (size > DEGREES && size <= 400.0))
-    {
-        settings = Some("unit = \"deg\"".to_owned());
-        reason.push_str(&format!("; reaches {size:.0}: degrees, it seems"));
-    } else if find(&["rpm"]).is_some() {
-        settings = Some("unit = \"rpm\"".to_owned());
-    } else if find(&["ma"]).is_some() {
-        settings = Some("unit = \"mA\"".to_owned());
-    }
+    let settings = settings(target, unit, &words, values, column, &mut reason);
     // A command of a current is the input, a measured one only if there is none; so for torques and forces.
     let measured = matches!(quantity, Quantity::Current | Quantity::Torque) && commanded.is_none();
     let rank = 1 + u8::from(measured) + 2 * u8::from(derived.is_some());
-    Some(First { column: index, target, settings, reason, rank })
+    Some(Guess::Role(First { column: index, target, settings, reason, rank }))
+}
+
+/// What a column's map needs beside its channel: the unit of its name, or what the size of its numbers says, with why.
+fn settings(
+    target: &str,
+    unit: Option<(&'static str, Dimension)>,
+    words: &[String],
+    values: &[f64],
+    column: &ColumnSurvey,
+    reason: &mut String,
+) -> Option<String> {
+    let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
+    let (size, angle) = (reach(column), target.ends_with("_rad"));
+    let stated = unit.filter(|(_, of)| *of != Dimension::Counts);
+    if let Some((unit, _)) = stated {
+        let wraps = angle && begins_again(values, crate::units::turn(unit));
+        let all = [
+            (!unit.is_empty()).then(|| format!("unit = \"{unit}\"")),
+            wraps.then(|| "wrap = true".to_owned()),
+        ];
+        let all: Vec<String> = all.into_iter().flatten().collect();
+        return (!all.is_empty()).then(|| all.join(", "));
+    }
+    let whole = || values.iter().filter(|v| v.is_finite()).all(|v| v.fract() == 0.0);
+    if angle && (unit.is_some() || (size > LARGEST_DEGREES && whole())) {
+        let turn = (size + 1.0).log2().ceil().max(FEWEST_COUNTS).exp2();
+        reason.push_str(&format!("; in counts: TODO, taken as {turn} a turn"));
+        let wrap = if begins_again(values, turn) { format!(", wrap = {turn:.1}") } else { String::new() };
+        return Some(format!("scale = {:.6e}{wrap}", std::f64::consts::TAU / turn));
+    }
+    if angle && (has(&["deg", "degrees"]) || (size > DEGREES && size <= LARGEST_DEGREES)) {
+        reason.push_str(&format!("; reaches {size:.0}: degrees, it seems"));
+        let wrap = if begins_again(values, 360.0) { ", wrap = true" } else { "" };
+        return Some(format!("unit = \"deg\"{wrap}"));
+    }
+    if angle && begins_again(values, std::f64::consts::TAU) {
+        return Some("wrap = true".to_owned());
+    }
+    if has(&["rpm"]) {
+        return Some("unit = \"rpm\"".to_owned());
+    }
+    has(&["ma"]).then(|| "unit = \"mA\"".to_owned())
+}
+
+/// Whether an angle jumps by a turn and stays within it: an encoder that begins again.
+fn begins_again(values: &[f64], turn: f64) -> bool {
+    let within = values.iter().all(|v| v.abs() <= 1.05 * turn);
+    within && values.windows(2).any(|w| (w[1] - w[0]).abs() > 0.8 * turn)
+}
+
+/// What only all columns together tell.
+fn settled_by_others(guesses: &mut [First]) {
+    let count = |all: &[First], target: &str| all.iter().filter(|g| g.target == target).count();
+    // A drive whose only position is its motor's has no joint behind it.
+    if count(guesses, "joint_angle_rad") == 0 {
+        guesses
+            .iter_mut()
+            .filter(|g| g.target == "motor_angle_rad" && g.rank > 0)
+            .for_each(|g| g.target = "joint_angle_rad");
+    }
+    // Where something else is commanded a measured voltage is the supply's.
+    let commands = |g: &First| columns::INPUTS.contains(&g.target) && g.target != "voltage_v" && g.rank <= 1;
+    if guesses.iter().any(commands) {
+        for guess in guesses.iter_mut().filter(|g| g.target == "voltage_v" && !g.reason.contains("a command"))
+        {
+            guess.target = "supply_v";
+            guess.reason.push_str("; another column is the command: the supply");
+        }
+    }
+    // Of a drive that logs its position and one torque, and no command, the torque is what drives it.
+    let is_input = |g: &First| columns::INPUTS.contains(&g.target);
+    let one = count(guesses, "output_torque_nm") == 1 && count(guesses, "joint_angle_rad") == 1;
+    if one && !guesses.iter().any(is_input) {
+        for guess in guesses.iter_mut().filter(|g| g.target == "output_torque_nm" && g.rank > 0) {
+            guess.target = "joint_torque_nm";
+            guess.reason.push_str("; nothing else drives it: the input");
+        }
+    }
 }
 
 #[cfg(test)]
@@ -377,13 +436,6 @@ mod tests {
     use super::*;
     use crate::survey::survey;
     use crate::table::Log;
-
-    #[test]
-    fn names_fall_into_words() {
-        assert_eq!(words("tau_con1"), ["tau", "con", "1"]);
-        assert_eq!(words("jointPos[2]"), ["joint", "pos", "2"]);
-        assert_eq!(words("/joint_states.position"), ["joint", "states", "position"]);
-    }
 
     fn roles_of(names: &[&str], values: fn(usize) -> f64) -> Vec<(String, String)> {
         let column = |(i, name): (usize, &&str)| {
@@ -465,7 +517,58 @@ mod tests {
             ["time_s", "joint_angle_rad", "output_torque_nm", "current_a"]
         );
         // Two sensors of one drive are no two joints.
-        assert_eq!(of(&["t", "motor_position", "joint_position"]), ["time_s", "joint_angle_rad"]);
+        let two = ["time_s", "motor_angle_rad", "joint_angle_rad"];
+        assert_eq!(of(&["t", "motor_position", "joint_position"]), two);
+        assert_eq!(of(&["t", "motor_position", "iq_ref"]), ["time_s", "joint_angle_rad", "current_a"]);
+    }
+
+    #[test]
+    fn commands_are_told_from_measurements_and_units_from_joints() {
+        let wave = |r: usize| (r as f64).sin();
+        let of =
+            |names: &[&str]| roles_of(names, wave).into_iter().map(|(_, target)| target).collect::<Vec<_>>();
+        let legs =
+            ["t_s", "hip_pos_deg", "knee_pos_deg", "hip_tau", "knee_tau", "hip_tau_cmd", "knee_tau_cmd"];
+        let expected = ["time_s", "hip.angle_rad", "knee.angle_rad", "hip.torque_nm", "knee.torque_nm"];
+        let found = roles_of(&legs, wave);
+        assert_eq!(found.iter().map(|(_, target)| target.as_str()).collect::<Vec<_>>(), expected);
+        assert!(
+            found.iter().any(|(name, _)| name == "hip_tau_cmd")
+                && !found.iter().any(|(name, _)| name == "hip_tau")
+        );
+        let sea = ["t", "motor_pos_rad", "joint_pos_rad", "motor_current_A", "spring_torque_Nm"];
+        let expected = ["time_s", "motor_angle_rad", "joint_angle_rad", "current_a", "spring_torque_nm"];
+        assert_eq!(of(&sea), expected);
+        assert_eq!(of(&["t", "q1_rad", "tau1_Nm"]), ["time_s", "joint_angle_rad", "joint_torque_nm"]);
+        // A servo's load is a share, its voltage the supply's, and an acceleration has no channel.
+        let servo = ["t", "goal_position", "position", "load", "volt", "theta_dot", "acc_rad_s2"];
+        assert_eq!(of(&servo), ["time_s", "position_rad", "joint_angle_rad", "supply_v", "speed_rad_s"]);
+        assert_eq!(of(&["t", "pos_mm", "motor_force_N"]), ["time_s", "position_m", "motor_force_n"]);
+    }
+
+    #[test]
+    fn units_and_counts_are_settings() {
+        let table = |name: &str, value: fn(usize) -> f64| {
+            let column = |name: &str, value: &dyn Fn(usize) -> f64| {
+                crate::table::Column::of(name, (0..20).map(value).collect())
+            };
+            let columns = vec![column("t", &|r| 0.01 * r as f64), column(name, &value)];
+            let log = Log { tables: vec![Table { columns, ..Table::default() }], ..Log::default() };
+            let role = survey(&log).tables.remove(0).columns.remove(1).role.expect("a role");
+            role.settings.unwrap_or_default()
+        };
+        let wave = |r: usize| (r as f64).sin();
+        assert_eq!(table("Spring Torque [mNm]", wave), "unit = \"mNm\"");
+        assert_eq!(table("vel_dps", wave), "unit = \"deg/s\"");
+        assert_eq!(table("current_mA", wave), "unit = \"mA\"");
+        assert_eq!(table("angle_rad", wave), "");
+        assert_eq!(table("angle", |r| 100.0 * (r as f64).sin()), "unit = \"deg\"");
+        // 16384 counts a turn.
+        let counts = |r: usize| (8191.5 + 8191.5 * (0.3 * r as f64).sin()).round();
+        assert_eq!(table("encoder_counts", counts), "scale = 3.834952e-4");
+        assert_eq!(table("position", counts), "scale = 3.834952e-4");
+        let turns = |r: usize| (20.0 * r as f64) % 360.0;
+        assert_eq!(table("joint_pos_deg", turns), "unit = \"deg\", wrap = true");
     }
 
     #[test]
