@@ -57,7 +57,7 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<u8> {
     }
     if shown {
         let rotary = model.rotary_places().iter().any(String::is_empty);
-        write!(std::io::stdout().lock(), "{}", text(&campaign, rotary, &found))?;
+        write!(std::io::stdout().lock(), "{}", text(&campaign, rotary, &found, &wrong))?;
     }
     Ok(0)
 }
@@ -85,7 +85,7 @@ fn head(campaign: &Campaign, model: &str, wrong: &[Finding]) -> String {
 }
 
 /// Everything else.
-fn text(campaign: &Campaign, rotary: bool, found: &Check) -> String {
+fn text(campaign: &Campaign, rotary: bool, found: &Check, wrong: &[Finding]) -> String {
     let mut out = String::new();
     let widest = campaign.runs.iter().map(|r| r.record.name.len()).max().unwrap_or(0).max(3);
     let _ = writeln!(
@@ -226,7 +226,24 @@ fn text(campaign: &Campaign, rotary: bool, found: &Check) -> String {
             let _ = writeln!(out, "  {note}");
         }
     }
+    let _ = writeln!(out, "\n{}", answer(campaign, found, wrong));
     out
+}
+
+/// What all of it comes to, in two sentences at most: it stands below a long list.
+fn answer(campaign: &Campaign, found: &Check, wrong: &[Finding]) -> String {
+    let faults = match (wrong.len(), wrong.iter().filter(|f| f.stops()).count()) {
+        (0, _) => "no fault found in the log".to_owned(),
+        (all, 0) => format!("{all} remark(s) on the log, above"),
+        (all, stops) => format!("{all} fault(s) found in the log, above; {stops} stop a diagnosis"),
+    };
+    let hidden: Vec<&str> =
+        found.effects.iter().filter(|e| !e.identifiable()).map(|e| e.id.as_str()).collect();
+    let seen = match hidden.len() {
+        0 => "Every effect would show at the strength given.".to_owned(),
+        _ => format!("These runs would not show {}.", hidden.join(", ")),
+    };
+    format!("{}: {faults}. {seen}", campaign.name)
 }
 
 fn to_json(campaign: &Campaign, model: &str, found: &Check, wrong: &[Finding]) -> serde_json::Value {

@@ -135,12 +135,12 @@ fn drops(arguments: &DesignArguments, spec: &ActuatorSpec, design: &Design) -> a
     sweep(&scenario, &over, false, &|| ()).or_bad_input()
 }
 
-/// `sprung motor housing`, `sprung ball nut` or `lumped`.
+/// What is sprung, in words.
 #[must_use]
 pub fn side_name(side: Configuration) -> &'static str {
     match side {
-        Configuration::SprungMotorHousing => "SMH",
-        Configuration::SprungBallNut => "SBN",
+        Configuration::SprungMotorHousing => "sprung motor housing",
+        Configuration::SprungBallNut => "sprung ball nut",
         Configuration::Lumped => "lumped",
     }
 }

@@ -260,7 +260,7 @@ pub(super) fn text_of(table: &ImpactTable) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
-        "{}: {} drops at a step of {:.0} us; margin = allowed over asked, below 1 the limit is exceeded",
+        "{}: {} drops at a step of {:.0} us; margin = limit over peak, below 1 the limit is exceeded",
         table.scenario,
         table.rows.len(),
         1e6 * table.step_s

@@ -71,6 +71,13 @@ pub struct Compared<'a> {
     pub work: (u64, f64),
 }
 
+/// What the residual depends on, what explains most of it first.
+pub(crate) fn strongest(tests: &[StructureTest]) -> Vec<&StructureTest> {
+    let mut found: Vec<&StructureTest> = tests.iter().filter(|t| t.depends()).collect();
+    found.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+    found
+}
+
 /// Compares `model`; refits unless `as_is`. What its file says of the sensors comes from `stated`.
 ///
 /// # Errors

@@ -1,8 +1,9 @@
 //! A comparison as one self-contained page.
 
 use super::overlay::{self, Look, worst_run};
-use super::{Compared, Summary};
+use super::{Compared, Summary, strongest};
 use crate::diagnosis::bounds;
+use crate::diagnosis::headline::{campaign_of, model_of};
 use crate::diagnosis::outcome::{MissingSignal, parameters, percent};
 use crate::diagnosis::text::{digits_for, figures};
 use crate::notes::together;
@@ -141,12 +142,10 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
             }
         }
         let located: Vec<String> = compared.location.worst(SENTENCES).iter().map(|r| r.sentence()).collect();
-        let follows: Vec<String> = compared
-            .tests
-            .iter()
-            .filter(|t| t.depends())
+        let follows: Vec<String> = strongest(&compared.tests)
+            .into_iter()
             .take(SENTENCES)
-            .map(|t| format!("{}: {}.", capital(t.on), t.suggests))
+            .map(|t| format!("{} ({} of its square): {}.", capital(t.on), percent(t.explained), t.suggests))
             .collect();
         let mut next = Vec::new();
         if !fits {
@@ -204,9 +203,8 @@ fn missing_sentence(m: &MissingSignal) -> String {
 
 /// The command that diagnoses what a command compared.
 fn command_of_diagnosis(command: &str) -> String {
-    let mut words = command.split_whitespace().skip_while(|w| *w != "compare");
-    let campaign = words.nth(1).filter(|w| !w.starts_with('-')).unwrap_or("CAMPAIGN");
-    format!("sealegs diagnose {campaign} --report diagnose.html")
+    let model = model_of(command).map_or(String::new(), |model| format!(" --model {model}"));
+    format!("sealegs diagnose {}{model} --report diagnose.html", campaign_of(command))
 }
 
 /// The missing signals of all ports as a table; `after` finds a port's in another model.

@@ -1,6 +1,6 @@
 //! A comparison for a terminal.
 
-use super::{Compared, Summary, worst_of_response};
+use super::{Compared, Summary, strongest, worst_of_response};
 use crate::diagnosis::bounds;
 use crate::diagnosis::outcome::parameters;
 use crate::diagnosis::text::{again_below, figures, parameter_lines};
@@ -55,7 +55,7 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
         if fit.std_inflation > 1.5 {
             let _ = writeln!(
                 out,
-                "  The residual is not noise: these errors are {} times those of white noise.",
+                "  The residual is not white: the intervals above are {} times those of white noise.",
                 figures(fit.std_inflation, 2)
             );
         }
@@ -131,7 +131,7 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
     for region in worst {
         let _ = writeln!(out, "  {}", region.sentence());
     }
-    let found: Vec<_> = compared.tests.iter().filter(|t| t.depends()).collect();
+    let found = strongest(&compared.tests);
     let _ = writeln!(out, "\nWhat it depends on");
     if found.is_empty() {
         let _ = writeln!(out, "  Nothing: it is white and independent of input, direction, angle and time.");

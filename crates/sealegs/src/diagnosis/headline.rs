@@ -165,7 +165,7 @@ fn rivals(o: &Outcome) -> Vec<String> {
         .map(|r| format!("{} ({})", r.effects.join(" + "), error(r.holdout_error)))
         .collect();
     if !others.is_empty() {
-        let first = if o.effects.is_empty() { "Tried" } else { "Next" };
+        let first = if o.effects.is_empty() { "Tried" } else { "Next best" };
         lines.push(format!("{first}: {}.", others.join("; ")));
     }
     if lines.is_empty() {
@@ -209,12 +209,17 @@ fn next(o: &Outcome, command: &str) -> Vec<String> {
 
 /// What `add` is told of the model that a command line names; nothing where that is the campaign's own.
 fn to_model_of(command: &str) -> String {
+    model_of(command).map_or(String::new(), |model| format!(" --to {model}"))
+}
+
+/// The model that a command line names.
+pub(crate) fn model_of(command: &str) -> Option<&str> {
     let mut words = command.split_whitespace().skip_while(|w| *w != "--model");
-    words.nth(1).map_or(String::new(), |model| format!(" --to {model}"))
+    words.nth(1)
 }
 
 /// The campaign in a command line; a placeholder where it is none.
-fn campaign_of(command: &str) -> &str {
+pub(crate) fn campaign_of(command: &str) -> &str {
     let mut words = command.split_whitespace().skip_while(|w| !matches!(*w, "diagnose" | "compare"));
     words.nth(1).filter(|w| !w.starts_with('-')).unwrap_or("CAMPAIGN")
 }

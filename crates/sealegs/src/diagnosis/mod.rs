@@ -7,7 +7,7 @@ pub mod confidence;
 pub(crate) mod drift;
 mod figures;
 mod friction;
-mod headline;
+pub(crate) mod headline;
 mod intervals;
 pub mod law;
 pub mod outcome;

@@ -2,6 +2,7 @@
 
 use super::outcome::{Outcome, ParameterValue};
 use super::sentence::TOLD;
+use crate::report::units::with_interval;
 use sealegs_sysid::diagnose::DEPARTURE;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -120,25 +121,17 @@ pub fn evidence(value: f64) -> String {
     if value.abs() < 1e4 { format!("{value:.1}") } else { format!("{value:.3e}") }
 }
 
-/// One line a parameter, fixed ones left out.
+/// One line a parameter with half its 95 % interval, fixed ones left out.
 #[must_use]
 pub fn parameter_lines(parameters: &[ParameterValue]) -> String {
     let mut out = String::new();
     let widest = parameters.iter().filter(|p| !p.fixed).map(|p| p.name.len()).max().unwrap_or(0);
     for p in parameters.iter().filter(|p| !p.fixed) {
-        let std = p.std.map_or("?".to_owned(), |s| figures(s, 2));
-        let digits = digits_for(p.value, p.std.unwrap_or(0.0));
         let remark = match p.remark() {
             nothing if nothing.is_empty() => nothing,
             remark => format!("  {remark}"),
         };
-        let _ = writeln!(
-            out,
-            "  {:<widest$}  {:>12} ± {std} {}{remark}",
-            p.name,
-            figures(p.value, digits),
-            p.unit
-        );
+        let _ = writeln!(out, "  {:<widest$}  {}{remark}", p.name, with_interval(p.value, p.std, &p.unit));
     }
     out
 }

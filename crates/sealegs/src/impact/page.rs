@@ -119,7 +119,7 @@ impl Sweep<'_> {
             page.side_by_side(&figures);
             page.table(
                 &self.margins(),
-                "Least margin of any actuator, allowed over asked; where it is below 1, what is exceeded.",
+                "Least margin of any actuator, limit over peak; where it is below 1, what is exceeded.",
             );
         });
     }
@@ -312,7 +312,7 @@ impl Sweep<'_> {
         page.table(
             &table,
             "Peaks with their signs, compression positive: force on the spring side (F1) and on the screw side (F2), deflection \
-             of the spring, stress of its beam. A margin is allowed over asked; lines with one below 1 stand out.",
+             of the spring, stress of its beam. A margin is limit over peak; lines with one below 1 stand out.",
         );
     }
 }

@@ -12,7 +12,7 @@ pub enum Survived {
     Stopped,
     /// Nothing has a limit that is known.
     NoLimit,
-    /// The least margin, allowed over asked, and whose it is.
+    /// The least margin, limit over peak, and whose it is.
     Margin {
         /// Below 1 the limit is exceeded.
         margin: f64,
@@ -105,11 +105,13 @@ impl Survival {
             let kept = self.heights_m.iter().zip(row).filter(|(_, cell)| cell.survives());
             let kept: Vec<String> = kept.map(|(h, _)| format!("{h} m")).collect();
             let drops = match kept.len() {
-                0 => "no drop".to_owned(),
                 n if n == self.heights_m.len() => "every drop".to_owned(),
                 _ => kept.join(", "),
             };
-            format!("{spring} springs survive {drops}.")
+            match kept.is_empty() {
+                true => format!("{spring} springs: every drop exceeds a limit."),
+                false => format!("{spring} springs survive {drops}."),
+            }
         };
         self.springs.iter().zip(&self.cells).map(said).collect()
     }
@@ -191,7 +193,10 @@ pub(super) mod tests {
         assert!(text.contains("compliant springs survive 0.05 m.\nstiff springs survive 0.05 m."), "{text}");
         // 1000 N against 400 N: everything fails, and the reason is the stated limit.
         let text = Survival::of(&table(), Some(400.0)).text();
-        assert!(text.contains("0.40 knee --max-force") && text.contains("survive no drop"), "{text}");
+        assert!(
+            text.contains("0.40 knee --max-force") && text.contains("every drop exceeds a limit"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -145,7 +145,7 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
         ),
         (false, _) => writeln!(
             out,
-            "Without it the refitted model misses the holdout runs by {:.2} noise units.",
+            "Without it the refitted model misses the held-out runs by {:.2} noise units.",
             answer.base_error
         ),
     };

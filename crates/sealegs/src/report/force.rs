@@ -76,7 +76,7 @@ pub(crate) fn caption(force: &ForceSaid, effects: &[String]) -> String {
     let named = if effects.is_empty() { "the curve".to_owned() } else { effects.join(" + ") };
     let law = match force.explained_by_law {
         Some(share) if share > 0.0 => {
-            format!(" Blue: {named} at the same instants, {} of the mean square.", percent(share))
+            format!(" Blue: {named} at the same instants; it explains {} of the mean square.", percent(share))
         }
         Some(_) => format!(" Blue: {named} at the same instants."),
         None if effects.is_empty() => " No law is drawn: none is named.".to_owned(),
@@ -91,10 +91,11 @@ pub(crate) fn caption(force: &ForceSaid, effects: &[String]) -> String {
             figures(gap.abs() / scale, 2)
         )
     });
-    format!(
-        "{what}, averaged in bins of {} (it depends on: {}).{law}{constant}",
-        force.over, force.depends_on
-    )
+    let on = match force.depends_on == force.over || !effects.is_empty() {
+        true => String::new(),
+        false => format!(" (it depends on: {})", force.depends_on),
+    };
+    format!("{what}, averaged in bins of {}{on}.{law}{constant}", force.over)
 }
 
 /// Estimate minus law where that is the same in all bins and clear of their intervals; positive where the law lies below.

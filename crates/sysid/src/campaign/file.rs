@@ -150,22 +150,19 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         }
     };
     if bench == Bench::Leg && raw.scenario.is_none() {
-        return Err(Error::bad(
-            path,
-            line(raw.bench.span()),
-            Some("scenario"),
-            "is missing; a leg needs one",
-        ));
+        let problem = format!("is missing; a leg needs one{}", misspelt(text));
+        return Err(Error::bad(path, line(raw.bench.span()), Some("scenario"), problem));
     }
     if bench == Bench::Robot && raw.robot.is_none() {
-        let problem = "is missing; it names the URDF or the robot's model file";
+        let problem = format!("is missing; it names the URDF or the robot's model file{}", misspelt(text));
         return Err(Error::bad(path, line(raw.bench.span()), Some("robot"), problem));
     }
     if let Some(robot) = raw.robot.as_ref().filter(|_| bench != Bench::Robot) {
         return Err(Error::bad(path, line(robot.span()), Some("robot"), "is for the bench 'robot'"));
     }
     if !bench.has_joints() && raw.actuator.as_ref().is_none_or(|a| a.get_ref().trim().is_empty()) {
-        return Err(Error::bad(path, raw.actuator.map(|a| line(a.span())), Some("actuator"), "is missing"));
+        let problem = format!("is missing{}", misspelt(text));
+        return Err(Error::bad(path, raw.actuator.map(|a| line(a.span())), Some("actuator"), problem));
     }
     if let Some(inputs) = raw.inputs.as_ref().filter(|_| bench != Bench::Leg) {
         let problem = "is for a leg; the input of a bench is known by its column's name";
@@ -331,10 +328,12 @@ fn unknown_keys(path: &Path, text: &str) -> Vec<String> {
     unknown_with_hints(text).into_iter().map(note).collect()
 }
 
-/// `; key 'benhc' is not known; did you mean 'bench'?` for each unknown key that comes near a known one.
+/// `; key 'benhc' (line 3) is not known; did you mean 'bench'?` for each unknown key that comes near a known one.
 fn misspelt(text: &str) -> String {
     let hinted = unknown_with_hints(text).into_iter().filter(|(.., meant)| !meant.is_empty());
-    hinted.map(|(key, _, meant)| format!("; key '{key}' is not known{meant}")).collect()
+    hinted
+        .map(|(key, at, meant)| format!("; key '{key}' (line {}) is not known{meant}", line_at(text, at)))
+        .collect()
 }
 
 /// Every key that means nothing, where it begins in the text, and a hint at the one that was probably meant.
