@@ -1,146 +1,17 @@
 //! What a column probably is, by the words in its name and the size of its numbers.
 
+mod clock;
+mod column;
 mod name;
+mod words;
+
+pub(crate) use clock::{is_time, time_unit};
 
 use crate::lerobot;
 use crate::survey::{ColumnSurvey, Role};
 use crate::table::Table;
-use name::{Dimension, last_part, quantity_of, without_unit, words};
+use column::{DEGREES, by_words};
 use sealegs_model::{Unit, columns};
-
-/// What is measured or commanded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Quantity {
-    Position,
-    Speed,
-    Torque,
-    Force,
-    Current,
-    Voltage,
-    Temperature,
-    Enable,
-}
-
-/// Words of names, and what they mean.
-const WORDS: [(Quantity, &[&str]); 8] = [
-    (Quantity::Enable, &["enable", "enabled", "enabling"]),
-    (Quantity::Temperature, &["temp", "temperature", "temps"]),
-    (Quantity::Speed, &["vel", "velocity", "velocities", "speed", "omega", "qd", "dq", "qdot", "rpm"]),
-    (Quantity::Torque, &["tau", "torque", "torques", "effort", "efforts", "moment", "nm"]),
-    (Quantity::Force, &["force", "forces", "loadcell", "cell", "fx", "fy", "fz", "f"]),
-    (Quantity::Current, &["current", "currents", "curr", "cur", "iq", "amp", "amps", "ma", "i"]),
-    (Quantity::Voltage, &["voltage", "volt", "volts", "vbus", "vbat", "vin", "u"]),
-    (
-        Quantity::Position,
-        &[
-            "position",
-            "positions",
-            "pos",
-            "angle",
-            "angles",
-            "theta",
-            "q",
-            "qm",
-            "enc",
-            "encoder",
-            "deflection",
-            "elongation",
-            "deg",
-            "rad",
-        ],
-    ),
-];
-
-const COMMANDED: [&str; 21] = [
-    "cmd",
-    "command",
-    "commands",
-    "commanded",
-    "setpoints",
-    "des",
-    "desired",
-    "ref",
-    "reference",
-    "goal",
-    "target",
-    "set",
-    "setpoint",
-    "sp",
-    "con",
-    "ctrl",
-    "control",
-    "action",
-    "u",
-    "req",
-    "demand",
-];
-
-/// Of these a topic or a list above the column may be called as well.
-const COMMANDS: [&str; 8] =
-    ["cmd", "command", "commands", "commanded", "desired", "reference", "target", "setpoints"];
-
-/// Accelerations, which no channel holds.
-const ACCELERATION: [&str; 8] =
-    ["acc", "accel", "acceleration", "accelerations", "ddot", "qdd", "ddq", "jerk"];
-
-const SUPPLY: [&str; 7] = ["supply", "bus", "vbus", "battery", "vbat", "input", "vin"];
-
-/// Derived from other columns: what a controller made of a measurement is none.
-const DERIVED: [&str; 7] = ["filt", "filtered", "est", "estimated", "fric", "error", "err"];
-
-const TIME: [&str; 12] = [
-    "t",
-    "time",
-    "times",
-    "timestamp",
-    "timestamps",
-    "stamp",
-    "ts",
-    "sec",
-    "secs",
-    "seconds",
-    "clock",
-    "elapsed",
-];
-
-/// Whether a name says that it is time.
-pub(crate) fn is_time(name: &str) -> bool {
-    let words = words(last_part(name));
-    words.iter().any(|w| TIME.contains(&w.as_str()))
-}
-
-/// The unit of time stamps, and why.
-///
-/// Seconds since 1970 are some 1.7e9 today, so that the size of an absolute stamp tells its unit. Of a clock that starts
-/// somewhere else, a period above 5 cannot be seconds of a log.
-pub(crate) fn time_unit(
-    name: &str,
-    holds: Option<&str>,
-    first: f64,
-    period: f64,
-) -> (&'static str, &'static str) {
-    let words = words(name);
-    let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
-    let held = |unit: &str| holds.is_some_and(|h| h.contains(unit));
-    if has(&["ns", "nsec", "nanoseconds", "nanos"]) || held("nanoseconds") {
-        return ("ns", "its unit by its name or type");
-    }
-    if has(&["us", "usec", "microseconds", "micros"]) || held("microseconds") {
-        return ("us", "its unit by its name or type");
-    }
-    if has(&["ms", "msec", "milliseconds", "millis"]) || held("milliseconds") {
-        return ("ms", "its unit by its name or type");
-    }
-    match first.abs() {
-        a if a > 1e17 => ("ns", "its unit by its size, counted from 1970"),
-        a if a > 1e14 => ("us", "its unit by its size, counted from 1970"),
-        a if a > 1e11 => ("ms", "its unit by its size, counted from 1970"),
-        _ if period >= 5e4 => ("ns", "its unit by its steps"),
-        _ if period >= 50.0 => ("us", "its unit by its steps"),
-        _ if period >= 1.0 => ("ms", "its unit by its steps"),
-        _ => ("s", "in seconds by its steps"),
-    }
-}
 
 /// A guess before other columns are looked at.
 struct First {
@@ -262,15 +133,6 @@ fn are_degrees(columns: &[ColumnSurvey]) -> bool {
     columns.iter().filter(|c| list_of(&c.name).is_some()).any(|c| reach(c) > DEGREES)
 }
 
-/// An angle beyond this is in degrees, rad.
-const DEGREES: f64 = 20.0;
-
-/// An angle beyond this is in no degrees either: a turn and a tenth.
-const LARGEST_DEGREES: f64 = 400.0;
-
-/// The fewest counts of an encoder's turn, as a power of two: 12 bits are the coarsest that servos have.
-const FEWEST_COUNTS: f64 = 12.0;
-
 /// What a column of a dataset of LeRobot is: a measured position or its goal.
 fn of_dataset(index: usize, name: &str, degrees: bool) -> Option<First> {
     let (target, what) = match list_of(name)? {
@@ -283,122 +145,6 @@ fn of_dataset(index: usize, name: &str, degrees: bool) -> Option<First> {
     }
     let settings = degrees.then(|| "unit = \"deg\"".to_owned());
     Some(First { column: index, target, settings, reason, rank: 1 })
-}
-
-/// What a column is by the words and the unit in its name, and the size of its numbers.
-fn by_words(index: usize, name: &str, values: &[f64], column: &ColumnSurvey) -> Option<Guess> {
-    let (plain, unit) = without_unit(name);
-    let unit = unit.or_else(|| name::of_row(column.holds.as_deref()?));
-    let (all, words) = (words(plain), words(last_part(plain)));
-    let find = |list: &[&str]| words.iter().find(|w| list.contains(&w.as_str()));
-    if find(&ACCELERATION).is_some() || unit.is_some_and(|(_, of)| of.quantity().is_none()) {
-        return Some(Guess::Aside("an acceleration: no channel holds it".to_owned()));
-    }
-    let by_name = quantity_of(&words).or_else(|| quantity_of(&all));
-    let by_unit = unit.and_then(|(_, of)| of.quantity());
-    let said = |word: &str| format!("'{word}' in its name");
-    let (quantity, mut reason) = match (by_name, by_unit) {
-        // `gyro_deg_s` and `theta_rad_s` are speeds.
-        (Some((named, word)), unit) if unit.is_none_or(|unit| unit == named) => (named, said(word)),
-        (_, Some(unit)) => (unit, "the unit in its name".to_owned()),
-        (Some((named, word)), None) => (named, said(word)),
-        (None, None) if find(&["load"]).is_some() => {
-            return Some(Guess::Aside("a load in shares of the greatest one is no torque in N m".to_owned()));
-        }
-        (None, None) => return None,
-    };
-    let commanded = find(&COMMANDED).or_else(|| all.iter().find(|w| COMMANDS.contains(&w.as_str())));
-    let (supply, derived) = (find(&SUPPLY), find(&DERIVED));
-    let of_spring = find(&["spring"]).is_some();
-    let of_motor = find(&["motor", "rotor"]).is_some();
-    let long = unit.is_some_and(|(_, of)| matches!(of, Dimension::Length | Dimension::LinearSpeed));
-    let target = match (quantity, commanded.is_some()) {
-        (Quantity::Enable, _) => "enable",
-        (Quantity::Temperature, _) => "temperature_c",
-        (Quantity::Voltage, false) if supply.is_some() => "supply_v",
-        (Quantity::Voltage, _) => "voltage_v",
-        (Quantity::Current, _) => "current_a",
-        (Quantity::Speed, false) if long => "speed_m_s",
-        (Quantity::Speed, false) => "speed_rad_s",
-        (Quantity::Speed, true) => return Some(Guess::Aside("no bench takes a commanded speed".to_owned())),
-        (Quantity::Torque, true) if of_motor => "motor_torque_nm",
-        (Quantity::Torque, true) => "joint_torque_nm",
-        (Quantity::Torque, false) if of_spring => "spring_torque_nm",
-        (Quantity::Torque, false) => "output_torque_nm",
-        (Quantity::Force, commanded) if commanded || of_motor => "motor_force_n",
-        (Quantity::Force, _) => "force_1_n",
-        (Quantity::Position, false) if of_spring && long => "spring_deflection_m",
-        (Quantity::Position, false) if of_spring => "spring_deflection_rad",
-        (Quantity::Position, true) if long => {
-            return Some(Guess::Aside("no bench takes a goal in metres".to_owned()));
-        }
-        (Quantity::Position, true) => "position_rad",
-        (Quantity::Position, false) if long => "position_m",
-        (Quantity::Position, false) if of_motor => "motor_angle_rad",
-        (Quantity::Position, false) => "joint_angle_rad",
-    };
-    if let Some(word) = commanded {
-        reason.push_str(&format!(", and '{word}': a command"));
-    }
-    if let Some(word) = supply.filter(|_| target == "supply_v") {
-        reason.push_str(&format!(", and '{word}'"));
-    }
-    if let Some(word) = derived {
-        reason.push_str(&format!("; '{word}': made by the controller"));
-    }
-    let settings = settings(target, unit, &words, values, column, &mut reason);
-    // A command of a current is the input, a measured one only if there is none; so for torques and forces.
-    let measured = matches!(quantity, Quantity::Current | Quantity::Torque) && commanded.is_none();
-    let rank = 1 + u8::from(measured) + 2 * u8::from(derived.is_some());
-    Some(Guess::Role(First { column: index, target, settings, reason, rank }))
-}
-
-/// What a column's map needs beside its channel: the unit of its name, or what the size of its numbers says, with why.
-fn settings(
-    target: &str,
-    unit: Option<(&'static str, Dimension)>,
-    words: &[String],
-    values: &[f64],
-    column: &ColumnSurvey,
-    reason: &mut String,
-) -> Option<String> {
-    let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
-    let (size, angle) = (reach(column), target.ends_with("_rad"));
-    let stated = unit.filter(|(_, of)| *of != Dimension::Counts);
-    if let Some((unit, _)) = stated {
-        let wraps = angle && begins_again(values, crate::units::turn(unit));
-        let all = [
-            (!unit.is_empty()).then(|| format!("unit = \"{unit}\"")),
-            wraps.then(|| "wrap = true".to_owned()),
-        ];
-        let all: Vec<String> = all.into_iter().flatten().collect();
-        return (!all.is_empty()).then(|| all.join(", "));
-    }
-    let whole = || values.iter().filter(|v| v.is_finite()).all(|v| v.fract() == 0.0);
-    if angle && (unit.is_some() || (size > LARGEST_DEGREES && whole())) {
-        let turn = (size + 1.0).log2().ceil().max(FEWEST_COUNTS).exp2();
-        reason.push_str(&format!("; in counts: TODO, taken as {turn} a turn"));
-        let wrap = if begins_again(values, turn) { format!(", wrap = {turn:.1}") } else { String::new() };
-        return Some(format!("scale = {:.6e}{wrap}", std::f64::consts::TAU / turn));
-    }
-    if angle && (has(&["deg", "degrees"]) || (size > DEGREES && size <= LARGEST_DEGREES)) {
-        reason.push_str(&format!("; reaches {size:.0}: degrees, it seems"));
-        let wrap = if begins_again(values, 360.0) { ", wrap = true" } else { "" };
-        return Some(format!("unit = \"deg\"{wrap}"));
-    }
-    if angle && begins_again(values, std::f64::consts::TAU) {
-        return Some("wrap = true".to_owned());
-    }
-    if has(&["rpm"]) {
-        return Some("unit = \"rpm\"".to_owned());
-    }
-    has(&["ma"]).then(|| "unit = \"mA\"".to_owned())
-}
-
-/// Whether an angle jumps by a turn and stays within it: an encoder that begins again.
-fn begins_again(values: &[f64], turn: f64) -> bool {
-    let within = values.iter().all(|v| v.abs() <= 1.05 * turn);
-    within && values.windows(2).any(|w| (w[1] - w[0]).abs() > 0.8 * turn)
 }
 
 /// What only all columns together tell.
@@ -569,14 +315,5 @@ mod tests {
         assert_eq!(table("position", counts), "scale = 3.834952e-4");
         let turns = |r: usize| (20.0 * r as f64) % 360.0;
         assert_eq!(table("joint_pos_deg", turns), "unit = \"deg\", wrap = true");
-    }
-
-    #[test]
-    fn the_unit_of_time_is_told_by_name_size_or_steps() {
-        assert_eq!(time_unit("t_ms", None, 0.0, 1.0).0, "ms");
-        assert_eq!(time_unit("stamp", None, 1.7e18, 1e6).0, "ns");
-        assert_eq!(time_unit("stamp", None, 1.7e9, 0.01).0, "s");
-        assert_eq!(time_unit("t", None, 0.0, 1e4).0, "us");
-        assert_eq!(time_unit("t", Some("time stamps (Timestamp) in microseconds"), 0.0, 0.1).0, "us");
     }
 }

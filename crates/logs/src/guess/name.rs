@@ -1,6 +1,6 @@
 //! What a column's name says: its words, the unit at its end, the joint that it belongs to.
 
-use super::{COMMANDED, DERIVED, Quantity, SUPPLY, WORDS};
+use super::words::{COMMANDED, DERIVED, Quantity, SUPPLY, WORDS};
 use crate::table::IN_UNIT;
 
 /// What a unit is one of.

@@ -1,0 +1,78 @@
+//! Whether a column is time, and in which unit.
+
+use super::name::{last_part, words};
+use crate::table::IN_UNIT;
+
+const TIME: [&str; 12] = [
+    "t",
+    "time",
+    "times",
+    "timestamp",
+    "timestamps",
+    "stamp",
+    "ts",
+    "sec",
+    "secs",
+    "seconds",
+    "clock",
+    "elapsed",
+];
+
+/// Whether a name says that it is time.
+pub(crate) fn is_time(name: &str) -> bool {
+    let words = words(last_part(name));
+    words.iter().any(|w| TIME.contains(&w.as_str()))
+}
+
+/// The unit of time stamps, and why.
+///
+/// Seconds since 1970 are some 1.7e9 today, so that the size of an absolute stamp tells its unit. Of a clock that starts
+/// somewhere else, a period above 5 cannot be seconds of a log.
+pub(crate) fn time_unit(
+    name: &str,
+    holds: Option<&str>,
+    first: f64,
+    period: f64,
+) -> (&'static str, &'static str) {
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
+    // The format's own type says it in words, a row of units below the header by its symbol.
+    let held = |unit: &str, symbol: &str| {
+        let of_row =
+            |h: &str| h.strip_prefix(IN_UNIT).is_some_and(|u| u.trim_matches(['[', ']', '(', ')']) == symbol);
+        holds.is_some_and(|h| h.contains(unit) || of_row(h))
+    };
+    if has(&["ns", "nsec", "nanoseconds", "nanos"]) || held("nanoseconds", "ns") {
+        return ("ns", "its unit by its name or type");
+    }
+    if has(&["us", "usec", "microseconds", "micros"]) || held("microseconds", "us") {
+        return ("us", "its unit by its name or type");
+    }
+    if has(&["ms", "msec", "milliseconds", "millis"]) || held("milliseconds", "ms") {
+        return ("ms", "its unit by its name or type");
+    }
+    match first.abs() {
+        a if a > 1e17 => ("ns", "its unit by its size, counted from 1970"),
+        a if a > 1e14 => ("us", "its unit by its size, counted from 1970"),
+        a if a > 1e11 => ("ms", "its unit by its size, counted from 1970"),
+        _ if period >= 5e4 => ("ns", "its unit by its steps"),
+        _ if period >= 50.0 => ("us", "its unit by its steps"),
+        _ if period >= 1.0 => ("ms", "its unit by its steps"),
+        _ => ("s", "in seconds by its steps"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::time_unit;
+
+    #[test]
+    fn the_unit_of_time_is_told_by_name_size_or_steps() {
+        assert_eq!(time_unit("t_ms", None, 0.0, 1.0).0, "ms");
+        assert_eq!(time_unit("t", Some("in [ms]"), 0.0, 0.5).0, "ms");
+        assert_eq!(time_unit("stamp", None, 1.7e18, 1e6).0, "ns");
+        assert_eq!(time_unit("stamp", None, 1.7e9, 0.01).0, "s");
+        assert_eq!(time_unit("t", None, 0.0, 1e4).0, "us");
+        assert_eq!(time_unit("t", Some("time stamps (Timestamp) in microseconds"), 0.0, 0.1).0, "us");
+    }
+}

@@ -1,0 +1,131 @@
+//! What a single column is, by its name and the size of its numbers.
+
+use super::name::{self, Dimension, last_part, quantity_of, without_unit, words};
+use super::words::{ACCELERATION, COMMANDED, COMMANDS, DERIVED, Quantity, SUPPLY};
+use super::{First, Guess, reach};
+use crate::survey::ColumnSurvey;
+
+/// An angle beyond this is in degrees, rad.
+pub(super) const DEGREES: f64 = 20.0;
+
+/// An angle beyond this is in no degrees either: a turn and a tenth.
+pub(super) const LARGEST_DEGREES: f64 = 400.0;
+
+/// The fewest counts of an encoder's turn, as a power of two: 12 bits are the coarsest that servos have.
+pub(super) const FEWEST_COUNTS: f64 = 12.0;
+
+/// What a column is by the words and the unit in its name, and the size of its numbers.
+pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &ColumnSurvey) -> Option<Guess> {
+    let (plain, unit) = without_unit(name);
+    let unit = unit.or_else(|| name::of_row(column.holds.as_deref()?));
+    let (all, words) = (words(plain), words(last_part(plain)));
+    let find = |list: &[&str]| words.iter().find(|w| list.contains(&w.as_str()));
+    if find(&ACCELERATION).is_some() || unit.is_some_and(|(_, of)| of.quantity().is_none()) {
+        return Some(Guess::Aside("an acceleration: no channel holds it".to_owned()));
+    }
+    let by_name = quantity_of(&words).or_else(|| quantity_of(&all));
+    let by_unit = unit.and_then(|(_, of)| of.quantity());
+    let said = |word: &str| format!("'{word}' in its name");
+    let (quantity, mut reason) = match (by_name, by_unit) {
+        // `gyro_deg_s` and `theta_rad_s` are speeds.
+        (Some((named, word)), unit) if unit.is_none_or(|unit| unit == named) => (named, said(word)),
+        (_, Some(unit)) => (unit, "the unit in its name".to_owned()),
+        (Some((named, word)), None) => (named, said(word)),
+        (None, None) if find(&["load"]).is_some() => {
+            return Some(Guess::Aside("a load in shares of the greatest one is no torque in N m".to_owned()));
+        }
+        (None, None) => return None,
+    };
+    let commanded = find(&COMMANDED).or_else(|| all.iter().find(|w| COMMANDS.contains(&w.as_str())));
+    let (supply, derived) = (find(&SUPPLY), find(&DERIVED));
+    let of_spring = find(&["spring"]).is_some();
+    let of_motor = find(&["motor", "rotor"]).is_some();
+    let long = unit.is_some_and(|(_, of)| matches!(of, Dimension::Length | Dimension::LinearSpeed));
+    let target = match (quantity, commanded.is_some()) {
+        (Quantity::Enable, _) => "enable",
+        (Quantity::Temperature, _) => "temperature_c",
+        (Quantity::Voltage, false) if supply.is_some() => "supply_v",
+        (Quantity::Voltage, _) => "voltage_v",
+        (Quantity::Current, _) => "current_a",
+        (Quantity::Speed, false) if long => "speed_m_s",
+        (Quantity::Speed, false) => "speed_rad_s",
+        (Quantity::Speed, true) => return Some(Guess::Aside("no bench takes a commanded speed".to_owned())),
+        (Quantity::Torque, true) if of_motor => "motor_torque_nm",
+        (Quantity::Torque, true) => "joint_torque_nm",
+        (Quantity::Torque, false) if of_spring => "spring_torque_nm",
+        (Quantity::Torque, false) => "output_torque_nm",
+        (Quantity::Force, commanded) if commanded || of_motor => "motor_force_n",
+        (Quantity::Force, _) => "force_1_n",
+        (Quantity::Position, false) if of_spring && long => "spring_deflection_m",
+        (Quantity::Position, false) if of_spring => "spring_deflection_rad",
+        (Quantity::Position, true) if long => {
+            return Some(Guess::Aside("no bench takes a goal in metres".to_owned()));
+        }
+        (Quantity::Position, true) => "position_rad",
+        (Quantity::Position, false) if long => "position_m",
+        (Quantity::Position, false) if of_motor => "motor_angle_rad",
+        (Quantity::Position, false) => "joint_angle_rad",
+    };
+    if let Some(word) = commanded {
+        reason.push_str(&format!(", and '{word}': a command"));
+    }
+    if let Some(word) = supply.filter(|_| target == "supply_v") {
+        reason.push_str(&format!(", and '{word}'"));
+    }
+    if let Some(word) = derived {
+        reason.push_str(&format!("; '{word}': made by the controller"));
+    }
+    let settings = settings(target, unit, &words, values, column, &mut reason);
+    // A command of a current is the input, a measured one only if there is none; so for torques and forces.
+    let measured = matches!(quantity, Quantity::Current | Quantity::Torque) && commanded.is_none();
+    let rank = 1 + u8::from(measured) + 2 * u8::from(derived.is_some());
+    Some(Guess::Role(First { column: index, target, settings, reason, rank }))
+}
+
+/// What a column's map needs beside its channel: the unit of its name, or what the size of its numbers says, with why.
+pub(super) fn settings(
+    target: &str,
+    unit: Option<(&'static str, Dimension)>,
+    words: &[String],
+    values: &[f64],
+    column: &ColumnSurvey,
+    reason: &mut String,
+) -> Option<String> {
+    let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
+    let (size, angle) = (reach(column), target.ends_with("_rad"));
+    let stated = unit.filter(|(_, of)| *of != Dimension::Counts);
+    if let Some((unit, _)) = stated {
+        let wraps = angle && begins_again(values, crate::units::turn(unit));
+        let all = [
+            (!unit.is_empty()).then(|| format!("unit = \"{unit}\"")),
+            wraps.then(|| "wrap = true".to_owned()),
+        ];
+        let all: Vec<String> = all.into_iter().flatten().collect();
+        return (!all.is_empty()).then(|| all.join(", "));
+    }
+    let whole = || values.iter().filter(|v| v.is_finite()).all(|v| v.fract() == 0.0);
+    if angle && (unit.is_some() || (size > LARGEST_DEGREES && whole())) {
+        let turn = (size + 1.0).log2().ceil().max(FEWEST_COUNTS).exp2();
+        reason.push_str(&format!("; in counts: TODO, taken as {turn} a turn"));
+        let wrap = if begins_again(values, turn) { format!(", wrap = {turn:.1}") } else { String::new() };
+        return Some(format!("scale = {:.6e}{wrap}", std::f64::consts::TAU / turn));
+    }
+    if angle && (has(&["deg", "degrees"]) || (size > DEGREES && size <= LARGEST_DEGREES)) {
+        reason.push_str(&format!("; reaches {size:.0}: degrees, it seems"));
+        let wrap = if begins_again(values, 360.0) { ", wrap = true" } else { "" };
+        return Some(format!("unit = \"deg\"{wrap}"));
+    }
+    if angle && begins_again(values, std::f64::consts::TAU) {
+        return Some("wrap = true".to_owned());
+    }
+    if has(&["rpm"]) {
+        return Some("unit = \"rpm\"".to_owned());
+    }
+    has(&["ma"]).then(|| "unit = \"mA\"".to_owned())
+}
+
+/// Whether an angle jumps by a turn and stays within it: an encoder that begins again.
+pub(super) fn begins_again(values: &[f64], turn: f64) -> bool {
+    let within = values.iter().all(|v| v.abs() <= 1.05 * turn);
+    within && values.windows(2).any(|w| (w[1] - w[0]).abs() > 0.8 * turn)
+}
