@@ -226,7 +226,7 @@ impl Building {
         path: &Path,
         line: u64,
         count: usize,
-        cells: impl Iterator<Item = &'r [u8]>,
+        cells: impl Iterator<Item = &'r [u8]> + Clone,
     ) -> Result<(), LogError> {
         if count != self.columns.len() {
             let missing = self.columns.get(count).map(|c| c.name.as_str());
@@ -234,16 +234,13 @@ impl Building {
             return Err(LogError::new(path, line, missing, problem));
         }
         self.budget.take(count).map_err(|problem| LogError::whole(path, problem))?;
-        let cells: Vec<&[u8]> = cells.collect();
-        if self.are_units(&cells) {
-            for (column, cell) in self.columns.iter_mut().zip(&cells) {
+        if std::mem::take(&mut self.units_may_follow) && self.are_units(cells.clone()) {
+            for (column, cell) in self.columns.iter_mut().zip(cells) {
                 let unit = String::from_utf8_lossy(cell.trim_ascii()).into_owned();
                 column.holds = (!unit.is_empty()).then(|| format!("{IN_UNIT}{unit}"));
             }
-            self.units_may_follow = false;
             return Ok(());
         }
-        self.units_may_follow = false;
         self.places.note(self.columns[0].values.len(), line);
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             match number(cell, self.decimal_comma) {
@@ -261,18 +258,16 @@ impl Building {
         }
         Ok(())
     }
-}
 
-impl Building {
-    /// Whether the first row below the header holds units: short words, and no number or truth value.
-    fn are_units(&self, cells: &[&[u8]]) -> bool {
-        let word = |cell: &&[u8]| {
+    /// Whether cells are units: short words, and no number or truth value.
+    fn are_units<'r>(&self, cells: impl Iterator<Item = &'r [u8]> + Clone) -> bool {
+        let word = |cell: &[u8]| {
             let text = String::from_utf8_lossy(cell.trim_ascii());
             let fault = matches!(number(cell, self.decimal_comma), Err(Odd::Fault(_)));
             fault && text.chars().count() <= LONGEST_UNIT && !text.to_lowercase().contains("nan")
         };
-        let said = cells.iter().filter(|c| !c.trim_ascii().is_empty()).count();
-        self.units_may_follow && 2 * said > cells.len() && cells.iter().all(word)
+        let said = cells.clone().filter(|c| !c.trim_ascii().is_empty()).count();
+        2 * said > self.columns.len() && cells.into_iter().all(word)
     }
 }
 

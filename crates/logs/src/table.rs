@@ -291,6 +291,11 @@ pub(crate) const TRUTH: &str = "true and false";
 
 /// What a column holds of which a row below the header states the unit, before that.
 pub(crate) const IN_UNIT: &str = "in ";
+
+/// The unit in what a column holds, where a row below the header states it, without brackets.
+pub(crate) fn stated_unit(holds: &str) -> Option<&str> {
+    Some(holds.strip_prefix(IN_UNIT)?.trim().trim_matches(['[', ']', '(', ')']))
+}
 /// What is said of a cell without content.
 pub(crate) const EMPTY: &str = "the cell is empty";
 const MISSING: &str = "has no value here";

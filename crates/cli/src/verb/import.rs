@@ -123,13 +123,18 @@ fn place(at: Place) -> String {
     }
 }
 
-/// Range, faults and likely role of a column.
-fn content(column: &ColumnSurvey) -> String {
-    let mut said = match column.range {
+/// From where to where the numbers of a column go.
+fn range(column: &ColumnSurvey) -> String {
+    match column.range {
         None => "no numbers".to_owned(),
         Some((low, _)) if column.constant => format!("always {}", short(low, 6)),
         Some((low, high)) => format!("{} to {}", short(low, 5), short(high, 5)),
-    };
+    }
+}
+
+/// Range, faults and likely role of a column.
+fn content(column: &ColumnSurvey) -> String {
+    let mut said = range(column);
     if let Some(holds) = &column.holds {
         let _ = write!(said, "; {holds}");
     }
@@ -261,15 +266,15 @@ fn rig(logs: &[(&Path, Log, Survey)]) -> String {
     let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
     // A goal of the servo's own loop, or the voltage of its motor.
     let rotary = if has("position_rad") || has("voltage_v") { "hobby-servo" } else { "rigid-rotary" };
-    let constant = match has("current_a") && rotary == "rigid-rotary" {
-        true => {
+    let constant = |channel: &str| match has("current_a") && rotary == "rigid-rotary" {
+        true => format!(
             "# TODO: its drive takes 1 N m for 1 A. Give the current the scale of yours, as a torque:\n\
-             # \"…\" = { as = \"joint_torque_nm\", scale = N m per A }, or state torque_constant_nm_a in an actuator file.\n"
-        }
-        false => "",
+             # \"…\" = {{ as = \"{channel}\", scale = N m per A }}, or state torque_constant_nm_a in an actuator file.\n"
+        ),
+        false => String::new(),
     };
     if joints(logs) > 0 {
-        let constant = constant.replace("joint_torque_nm", "JOINT.torque_nm");
+        let constant = constant("JOINT.torque_nm");
         return format!(
             "bench = \"robot\"            # columns that are called by a joint\n\
              robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
@@ -293,6 +298,7 @@ fn rig(logs: &[(&Path, Log, Survey)]) -> String {
              actuator = \"{sprung}\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n{load}"
         )
     } else if has("joint_angle_rad") || has("motor_angle_rad") {
+        let constant = constant("joint_torque_nm");
         format!(
             "bench = \"pendulum\"         # TODO: what it was recorded on: pendulum, free (nothing hangs on it), robot\n\
              actuator = \"{rotary}\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n\
@@ -338,12 +344,10 @@ fn are_one_run(logs: &[(&Path, Log, Survey)]) -> bool {
 fn map<'a>(column: &'a ColumnSurvey, taken: &mut Vec<(&'a str, &'a str)>) -> String {
     let source = quoted(&column.name);
     let Some(role) = &column.role else {
-        let why = match column.range {
-            None => "no numbers".to_owned(),
-            Some((low, _)) if column.constant => format!("always {}", short(low, 6)),
-            Some((low, high)) => format!("{} to {}", short(low, 5), short(high, 5)),
-        };
-        let why = column.aside.as_ref().map_or(why.clone(), |aside| format!("{why}; {aside}"));
+        let mut why = range(column);
+        if let Some(aside) = &column.aside {
+            let _ = write!(why, "; {aside}");
+        }
         return format!("# {source} = \"\"   # {}", one_line(&why));
     };
     // Every table has its own time; a bench has one input.

@@ -1,7 +1,7 @@
 //! Whether a column is time, and in which unit.
 
 use super::name::{last_part, words};
-use crate::table::IN_UNIT;
+use crate::table::stated_unit;
 
 const TIME: [&str; 12] = [
     "t",
@@ -37,11 +37,8 @@ pub(crate) fn time_unit(
     let words = words(name);
     let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
     // The format's own type says it in words, a row of units below the header by its symbol.
-    let held = |unit: &str, symbol: &str| {
-        let of_row =
-            |h: &str| h.strip_prefix(IN_UNIT).is_some_and(|u| u.trim_matches(['[', ']', '(', ')']) == symbol);
-        holds.is_some_and(|h| h.contains(unit) || of_row(h))
-    };
+    let held =
+        |unit: &str, symbol: &str| holds.is_some_and(|h| h.contains(unit) || stated_unit(h) == Some(symbol));
     if has(&["ns", "nsec", "nanoseconds", "nanos"]) || held("nanoseconds", "ns") {
         return ("ns", "its unit by its name or type");
     }

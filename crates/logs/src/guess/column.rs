@@ -4,15 +4,16 @@ use super::name::{self, Dimension, last_part, quantity_of, without_unit, words};
 use super::words::{ACCELERATION, COMMANDED, COMMANDS, DERIVED, Quantity, SUPPLY};
 use super::{First, Guess, reach};
 use crate::survey::ColumnSurvey;
+use crate::units;
 
 /// An angle beyond this is in degrees, rad.
 pub(super) const DEGREES: f64 = 20.0;
 
 /// An angle beyond this is in no degrees either: a turn and a tenth.
-pub(super) const LARGEST_DEGREES: f64 = 400.0;
+const LARGEST_DEGREES: f64 = 400.0;
 
 /// The fewest counts of an encoder's turn, as a power of two: 12 bits are the coarsest that servos have.
-pub(super) const FEWEST_COUNTS: f64 = 12.0;
+const FEWEST_COUNTS: f64 = 12.0;
 
 /// What a column is by the words and the unit in its name, and the size of its numbers.
 pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &ColumnSurvey) -> Option<Guess> {
@@ -83,7 +84,7 @@ pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &Column
 }
 
 /// What a column's map needs beside its channel: the unit of its name, or what the size of its numbers says, with why.
-pub(super) fn settings(
+fn settings(
     target: &str,
     unit: Option<(&'static str, Dimension)>,
     words: &[String],
@@ -93,39 +94,36 @@ pub(super) fn settings(
 ) -> Option<String> {
     let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
     let (size, angle) = (reach(column), target.ends_with("_rad"));
-    let stated = unit.filter(|(_, of)| *of != Dimension::Counts);
-    if let Some((unit, _)) = stated {
-        let wraps = angle && begins_again(values, crate::units::turn(unit));
-        let all = [
-            (!unit.is_empty()).then(|| format!("unit = \"{unit}\"")),
-            wraps.then(|| "wrap = true".to_owned()),
-        ];
-        let all: Vec<String> = all.into_iter().flatten().collect();
-        return (!all.is_empty()).then(|| all.join(", "));
-    }
     let whole = || values.iter().filter(|v| v.is_finite()).all(|v| v.fract() == 0.0);
-    if angle && (unit.is_some() || (size > LARGEST_DEGREES && whole())) {
+    let counts = match unit {
+        Some((_, of)) => of == Dimension::Counts,
+        None => size > LARGEST_DEGREES && whole(),
+    };
+    if angle && counts {
         let turn = (size + 1.0).log2().ceil().max(FEWEST_COUNTS).exp2();
         reason.push_str(&format!("; in counts: TODO, taken as {turn} a turn"));
         let wrap = if begins_again(values, turn) { format!(", wrap = {turn:.1}") } else { String::new() };
         return Some(format!("scale = {:.6e}{wrap}", std::f64::consts::TAU / turn));
     }
-    if angle && (has(&["deg", "degrees"]) || (size > DEGREES && size <= LARGEST_DEGREES)) {
-        reason.push_str(&format!("; reaches {size:.0}: degrees, it seems"));
-        let wrap = if begins_again(values, 360.0) { ", wrap = true" } else { "" };
-        return Some(format!("unit = \"deg\"{wrap}"));
-    }
-    if angle && begins_again(values, std::f64::consts::TAU) {
-        return Some("wrap = true".to_owned());
-    }
-    if has(&["rpm"]) {
-        return Some("unit = \"rpm\"".to_owned());
-    }
-    has(&["ma"]).then(|| "unit = \"mA\"".to_owned())
+    let unit = match unit.filter(|(_, of)| *of != Dimension::Counts) {
+        Some((unit, _)) => unit,
+        None if angle && (has(&["deg", "degrees"]) || (size > DEGREES && size <= LARGEST_DEGREES)) => {
+            reason.push_str(&format!("; reaches {size:.0}: degrees, it seems"));
+            "deg"
+        }
+        None if has(&["rpm"]) => "rpm",
+        None if has(&["ma"]) => "mA",
+        None => "",
+    };
+    let wraps = angle && begins_again(values, units::turn(unit));
+    let all =
+        [(!unit.is_empty()).then(|| format!("unit = \"{unit}\"")), wraps.then(|| "wrap = true".to_owned())];
+    let all: Vec<String> = all.into_iter().flatten().collect();
+    (!all.is_empty()).then(|| all.join(", "))
 }
 
 /// Whether an angle jumps by a turn and stays within it: an encoder that begins again.
-pub(super) fn begins_again(values: &[f64], turn: f64) -> bool {
+fn begins_again(values: &[f64], turn: f64) -> bool {
     let within = values.iter().all(|v| v.abs() <= 1.05 * turn);
     within && values.windows(2).any(|w| (w[1] - w[0]).abs() > 0.8 * turn)
 }

@@ -1,7 +1,7 @@
 //! What a column's name says: its words, the unit at its end, the joint that it belongs to.
 
 use super::words::{COMMANDED, DERIVED, Quantity, SUPPLY, WORDS};
-use crate::table::IN_UNIT;
+use crate::table::stated_unit;
 
 /// What a unit is one of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,13 +70,13 @@ impl Dimension {
 
 /// The unit that a text is, by what `unit = ` calls it, nothing for SI.
 fn known(text: &str) -> Option<(&'static str, Dimension)> {
-    let text = text.trim().trim_matches(['[', ']', '(', ')']).to_lowercase();
+    let text = text.trim().to_lowercase();
     UNITS.iter().find(|(all, ..)| all.contains(&text.as_str())).map(|&(_, unit, of)| (unit, of))
 }
 
-/// The unit that a row of units under the header states, see [`crate::table::IN_UNIT`].
+/// The unit that a row of units under the header states.
 pub(super) fn of_row(holds: &str) -> Option<(&'static str, Dimension)> {
-    known(holds.strip_prefix(IN_UNIT)?)
+    known(stated_unit(holds)?)
 }
 
 /// A name without the unit at its end, and that.

@@ -90,12 +90,8 @@ pub(super) fn clock(
     let time_s: Vec<f64> = raw.iter().map(|t| (t - first) * scale).collect();
     for i in 1..time_s.len() {
         if !(time_s[i] > time_s[i - 1] && time_s[i].is_finite()) {
-            let what = if time_s[i] == time_s[i - 1] { "repeats" } else { "goes back" };
-            let cure = match time_s[i] == time_s[i - 1] {
-                true => "delete such rows, or leave the column out and state sample_rate_hz",
-                false => "where a log begins anew, cut the file in two",
-            };
-            let problem = format!("time {what}: {} after {}; {cure}", raw[i], raw[i - 1]);
+            let (fault, cure) = time_fault(raw[i], raw[i - 1]);
+            let problem = format!("{fault}; {cure}");
             return Err(LogError::new(&file.path, table.places.of(i), Some(&name), problem).into());
         }
     }
@@ -108,6 +104,16 @@ pub(super) fn clock(
         column: Some(wanted.at.column),
         own_zero: own_zero && file.offset_s == 0.0,
     })
+}
+
+/// What is wrong with a time stamp that does not come after the one before, and what to do.
+#[must_use]
+pub fn time_fault(stamp: f64, before: f64) -> (String, &'static str) {
+    let (what, cure) = match stamp == before {
+        true => ("repeats", "delete such rows, or leave the column out and state sample_rate_hz"),
+        false => ("goes back", "where a log begins anew, cut the file in two"),
+    };
+    (format!("time {what}: {stamp} after {before}"), cure)
 }
 
 /// A remark on the longest gap of a clock over which values are interpolated.

@@ -5,6 +5,7 @@ use super::scored::{scored_rows, too_few_rows};
 use super::table::{Said, check_columns, check_length, sort};
 use super::{Bench, Campaign, Clock, LeftOut, RigValues, Role, Run, RunNotes, clock, in_pieces, windows};
 use crate::{Error, Place};
+use sealegs_logs::join::time_fault;
 use sealegs_model::{InputHold, Record};
 use std::path::{Path, PathBuf};
 
@@ -258,8 +259,7 @@ impl CampaignBuilder {
             if name == "time_s" {
                 for (before, pair) in values.windows(2).enumerate() {
                     if pair[1] <= pair[0] {
-                        let what = if pair[1] == pair[0] { "repeats" } else { "goes back" };
-                        let problem = format!("time {what}: {} after {}", pair[1], pair[0]);
+                        let (problem, _) = time_fault(pair[1], pair[0]);
                         return Err(Error::bad(&path, Place::Row(before as u64 + 2), Some(name), problem));
                     }
                 }

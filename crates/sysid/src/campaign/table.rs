@@ -107,8 +107,8 @@ pub(super) fn plain(path: &Path, mut log: Log, said: Said) -> Result<Table, Erro
             return Err(Error::bad(path, table.places.of(row), Some(&column.name), problem));
         }
         (_, Some(row)) => {
-            let what = if time[row] == time[row - 1] { "repeats" } else { "goes back" };
-            let problem = format!("time {what}: {} after {}", time[row], time[row - 1]);
+            let (fault, cure) = join::time_fault(time[row], time[row - 1]);
+            let problem = format!("{fault}; {cure}");
             return Err(Error::bad(path, table.places.of(row), Some("time_s"), problem));
         }
         _ => {}

@@ -24,10 +24,10 @@ fn echoes(campaign: &Campaign) -> Vec<Finding> {
         let of_run = |run: &Run| {
             let [input] = &run.record.inputs[..] else { return None };
             let output = run.record.output(channel)?;
-            let size = crate::stats::std(output);
             let line = Line::through(input.values.iter().copied().zip(output.iter().copied()));
-            let left = size * (1.0 - line.correlation.powi(2)).max(0.0).sqrt();
-            (size > 0.0).then(|| (size / left.max(f64::MIN_POSITIVE), line.slope, input.channel.clone()))
+            let left = (1.0 - line.correlation.powi(2)).max(0.0).sqrt();
+            (line.measured > 0.0)
+                .then(|| (1.0 / left.max(f64::MIN_POSITIVE), line.slope, input.channel.clone()))
         };
         let runs = campaign.runs.iter().filter_map(of_run);
         let least = runs.reduce(|a, b| if b.0 < a.0 { b } else { a })?;
