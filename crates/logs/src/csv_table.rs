@@ -1,8 +1,9 @@
-//! Tables as text: CSV, also separated by semicolons, tabs or spaces, with comments, with or without a header.
+//! Tables as text: CSV, also separated by semicolons, tabs or spaces, with comments, with or without a header, in UTF-8 or UTF-16.
 
-use crate::LogError;
 use crate::budget::{Budget, MOST_COLUMNS};
 use crate::table::{Column, EMPTY, EXACT, IN_UNIT, Log, Places, TRUTH, Table, no_number};
+use crate::{LogError, moment};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Reads the bytes of a text.
@@ -11,7 +12,8 @@ use std::path::Path;
 /// before it does if it has as many words, and else nobody does ([`Table::headerless`]). The separator is that of
 /// `,`, `;`, tab and space which the line has first in this order; with `;` a comma inside a cell is a decimal point.
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = in_utf8(bytes);
+    let bytes = text.as_ref();
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(LogError::whole(path, "is empty"));
     }
@@ -249,6 +251,10 @@ impl Building {
                     let text = std::str::from_utf8(cell.trim_ascii()).unwrap_or_default();
                     column.push_whole(value, text.parse().ok());
                 }
+                Err(Odd::Moment(stamp, what)) => {
+                    column.holds.get_or_insert_with(|| what.to_owned());
+                    column.push_whole(stamp as f64, Some(stamp));
+                }
                 Err(Odd::Truth(value)) => {
                     column.holds.get_or_insert_with(|| TRUTH.to_owned());
                     column.values.push(f64::from(u8::from(value)));
@@ -279,6 +285,8 @@ const NO_HEADER: &str = "no header: the first row must hold the columns' names";
 /// What a cell is if not a finite number.
 enum Odd {
     Truth(bool),
+    /// Nanoseconds, and since when.
+    Moment(i64, &'static str),
     Fault(String),
 }
 
@@ -295,8 +303,23 @@ fn number(cell: &[u8], decimal_comma: bool) -> Result<f64, Odd> {
             let value = text.replacen(',', ".", 1).parse::<f64>().ok().filter(|v| v.is_finite());
             value.ok_or_else(|| Odd::Fault(no_number(&text)))
         }
-        Err(_) => Err(Odd::Fault(no_number(&text))),
+        Err(_) => Err(match moment::nanoseconds(&text) {
+            Some((stamp, what)) => Odd::Moment(stamp, what),
+            None => Odd::Fault(no_number(&text)),
+        }),
     }
+}
+
+/// A text in UTF-16, as spreadsheets and instruments save it, in UTF-8; as it is if it begins with no mark of that.
+fn in_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let unit: fn([u8; 2]) -> u16 = match bytes {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ => return Cow::Borrowed(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)),
+    };
+    let units = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+    let text = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
+    Cow::Owned(text.collect::<String>().into_bytes())
 }
 
 #[cfg(test)]
@@ -363,6 +386,28 @@ mod tests {
         // A cell that is no number is a fault of its row.
         let table = read("t,q\n0,x\n1,2\n").unwrap();
         assert!(table.rows() == 2 && table.columns[1].fault.is_some());
+    }
+
+    #[test]
+    fn dates_are_nanoseconds_and_say_so() {
+        let table = read("stamp,q\n2026-05-01 09:30:00.000000001,0\n2026-05-01 09:30:00.002,1\n").unwrap();
+        assert_eq!(table.columns[0].values, [0.0, 1_999_999.0]);
+        assert_eq!(table.columns[0].origin, 1_777_627_800_000_000_001);
+        assert!(table.columns[0].holds.as_ref().is_some_and(|h| h.contains("nanoseconds since 1970")));
+        assert!(table.columns[0].fault.is_none() && table.columns[1].values == [0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_text_in_utf_16_is_read_with_either_byte_first() {
+        let text = "t;Kraft µN\n0;1,5\n1;2\n";
+        let in_order = |mark: [u8; 2], of: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            mark.into_iter().chain(text.encode_utf16().flat_map(of)).collect()
+        };
+        for bytes in [in_order([0xff, 0xfe], u16::to_le_bytes), in_order([0xfe, 0xff], u16::to_be_bytes)] {
+            let table = parse(Path::new("r.csv"), &bytes).unwrap().tables.remove(0);
+            assert_eq!(table.columns[1].name, "Kraft µN");
+            assert_eq!(table.columns[1].values, [1.5, 2.0]);
+        }
     }
 
     #[test]

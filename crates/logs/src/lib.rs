@@ -24,6 +24,7 @@ mod json;
 pub mod lerobot;
 mod matlab;
 mod mcap_log;
+mod moment;
 mod numpy;
 mod open;
 mod parquet_table;

@@ -1,5 +1,6 @@
 //! What is in a log: rates, gaps, ranges, dead columns, and what each column probably is.
 
+use crate::moment::{DATES, TIMES};
 use crate::table::{Column, Log, Table};
 use crate::{Place, guess};
 
@@ -130,9 +131,13 @@ fn of_clock(table: &Table) -> Option<ClockSurvey> {
     let (index, reason) = match table.clock {
         Some(own) => (own, "the time at which each message was logged".to_owned()),
         None => {
-            let named = |c: &Column| guess::is_time(&c.name) && c.fault.is_none() && goes_on(&c.values);
-            let index = table.columns.iter().position(named)?;
-            (index, "by its name, and it goes on".to_owned())
+            let fit = |c: &Column| c.fault.is_none() && goes_on(&c.values);
+            let dated = |c: &Column| c.holds.as_deref().is_some_and(|h| [DATES, TIMES].contains(&h));
+            let at = |like: &dyn Fn(&Column) -> bool| table.columns.iter().position(|c| like(c) && fit(c));
+            match at(&dated) {
+                Some(index) => (index, "its cells are dates or times, and they go on".to_owned()),
+                None => (at(&|c| guess::is_time(&c.name))?, "by its name, and it goes on".to_owned()),
+            }
         }
     };
     let column = &table.columns[index];
