@@ -63,6 +63,18 @@ impl Error {
             problem: problem.into(),
         }
     }
+
+    /// A fault of a log with what is misspelt in its campaign behind it, which may be the reason.
+    pub(crate) fn hinted(mut self, campaign: &Path, misspelt: &str) -> Self {
+        if let Self::BadFile { file, problem, .. } = &mut self
+            && *file != campaign
+            && let Some(said) = misspelt.strip_prefix(';')
+        {
+            let name = campaign.file_name().unwrap_or_default().to_string_lossy();
+            *problem = format!("{problem}; in {name}{said}");
+        }
+        self
+    }
 }
 
 impl From<LogError> for Error {

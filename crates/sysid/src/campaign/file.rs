@@ -28,6 +28,8 @@ pub(super) struct Description {
     pub noise_std: Vec<(String, f64)>,
     pub runs: Vec<RunEntry>,
     pub notes: Vec<String>,
+    /// What [`misspelt`] says of its keys.
+    pub misspelt: String,
 }
 
 /// One `[[run]]`.
@@ -289,6 +291,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         noise_std,
         runs,
         notes: unknown_keys(path, text),
+        misspelt: misspelt(text),
     })
 }
 

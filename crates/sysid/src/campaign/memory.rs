@@ -218,6 +218,7 @@ impl CampaignBuilder {
             noise_std: self.noise_std,
             runs: Vec::new(),
             notes: Vec::new(),
+            misspelt: String::new(),
         };
         let (window_s, rate) = (self.window_s, description.sample_rate_hz);
         let runs =

@@ -236,7 +236,8 @@ impl Campaign {
                     sample_rate_hz: description.sample_rate_hz,
                     hold: description.hold,
                 };
-                let mut table = table::read(&file, folder, run, said)?;
+                let hinted = |error: Error| error.hinted(&file, &description.misspelt);
+                let mut table = table::read(&file, folder, run, said).map_err(hinted)?;
                 let notes = std::mem::take(&mut table.notes);
                 let record = Record {
                     name: run.name(),

@@ -150,6 +150,21 @@ fn unknown_words_are_refused_with_a_suggestion() {
 }
 
 #[test]
+fn a_column_that_a_misspelt_map_would_have_named_is_missing_with_that_key() {
+    let csv = "stamp,current_a,force_1_n\n".to_owned() + &rows(20);
+    let campaign = description("", RUN) + "[colums]\nstamp = { as = \"time_s\", unit = \"ms\" }\n";
+    let message = read(&campaign, Some(csv.as_bytes())).unwrap_err().to_string();
+    for said in
+        ["r.csv", "(found 'stamp')", "[columns]", "in campaign.toml key 'colums'", "did you mean 'columns'"]
+    {
+        assert!(message.contains(said), "{said}: {message}");
+    }
+    assert!(
+        !read(&description("", RUN), Some(csv.as_bytes())).unwrap_err().to_string().contains("campaign.toml")
+    );
+}
+
+#[test]
 fn an_unknown_key_is_a_note() {
     let csv = HEADER.to_owned() + &rows(20);
     let campaign = read(&description("input_hld = \"linear\"", RUN), Some(csv.as_bytes())).unwrap();
