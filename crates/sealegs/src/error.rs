@@ -73,12 +73,12 @@ pub enum Error {
         known: Vec<String>,
     },
     /// The catalogue has no such effect.
-    #[error("no effect '{id}' in the catalogue{}", did_you_mean(suggestion.as_deref()))]
+    #[error("no effect '{id}' in the catalogue{}", did_you_mean(suggestions))]
     NoSuchEffect {
         /// As it was asked for.
         id: String,
-        /// The nearest id.
-        suggestion: Option<String>,
+        /// All ids that contain it, or else the nearest one.
+        suggestions: Vec<String>,
     },
     /// The model includes this effect already.
     #[error("{model} includes '{effect}' already")]
@@ -287,6 +287,10 @@ fn it_has(units: &[String]) -> String {
 }
 
 /// The end of a message that names what comes nearest, if anything does.
-fn did_you_mean(suggestion: Option<&str>) -> String {
-    suggestion.map_or_else(|| "; `sealegs effects` lists it".to_owned(), |s| format!("; did you mean '{s}'?"))
+fn did_you_mean(suggestions: &[String]) -> String {
+    match suggestions {
+        [] => "; `sealegs effects` lists it".to_owned(),
+        [one] => format!("; did you mean '{one}'?"),
+        several => format!("; did you mean one of {}?", several.join(", ")),
+    }
 }

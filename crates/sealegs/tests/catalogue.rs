@@ -49,6 +49,13 @@ fn every_effect_has_a_law_to_draw_and_shows_in_a_log() {
 fn an_unknown_id_gets_the_nearest_one() {
     let message = find("backslash").unwrap_err().to_string();
     assert!(message.contains("did you mean 'backlash'"), "{message}");
+    let message = find("hysteresis").unwrap_err().to_string();
+    assert!(message.contains("did you mean 'spring-hysteresis'"), "{message}");
+    let message = find("friction").unwrap_err().to_string();
+    assert!(
+        message.contains("one of coulomb-friction, ") && message.contains("stribeck-friction"),
+        "{message}"
+    );
     assert_eq!(find("knee/sensor-lag@force_1_n").unwrap().card().id, "sensor-lag");
     assert_eq!(find("knee/output-friction").unwrap().page_name(), "leg-output-friction");
 }

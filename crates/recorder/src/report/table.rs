@@ -3,6 +3,9 @@
 use super::Text;
 use maud::{Markup, html};
 
+/// Bytes of a cell beyond which it is a sentence, and its column does not get narrower than some words.
+const SENTENCE: usize = 40;
+
 /// How a column stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Align {
@@ -66,16 +69,21 @@ impl Table {
         self
     }
 
-    /// The table as HTML, in a box that scrolls where the window is too narrow.
+    /// The table as HTML, in a box that scrolls where the window is too narrow; its caption does not scroll with it.
     pub(super) fn html(&self, caption: &Markup) -> Markup {
-        let class = |i: usize| match self.columns.get(i).map(|c| c.align) {
-            Some(Align::Right) => Some("num"),
-            _ => None,
-        };
+        let longest =
+            |i: usize| self.rows.iter().filter_map(|(cells, _)| cells.get(i)).map(String::len).max();
+        let classes: Vec<Option<&str>> = (0..self.columns.len())
+            .map(|i| match self.columns[i].align {
+                Align::Right => Some("num"),
+                _ => longest(i).filter(|&longest| longest > SENTENCE).map(|_| "text"),
+            })
+            .collect();
+        let class = |i: usize| classes.get(i).copied().flatten();
         html! {
-            div.table {
-                table {
-                    caption { (caption) }
+            figure.tabled {
+                figcaption { (caption) }
+                div.table { table {
                     thead {
                         tr {
                             @for (i, column) in self.columns.iter().enumerate() {
@@ -95,7 +103,7 @@ impl Table {
                             }
                         }
                     }
-                }
+                } }
             }
         }
     }

@@ -137,7 +137,7 @@ pub fn entries() -> Result<Vec<Entry>> {
 ///
 /// # Errors
 ///
-/// [`Error::NoSuchEffect`] with the nearest id.
+/// [`Error::NoSuchEffect`] with all ids that contain this one, or else the nearest.
 pub fn find(id: &str) -> Result<Entry> {
     let plain = id.rsplit('/').next().unwrap_or(id).split('@').next().unwrap_or(id);
     let at_joint = id.contains('/') && plain == "output-friction";
@@ -145,9 +145,19 @@ pub fn find(id: &str) -> Result<Entry> {
     let mut found = all.iter().filter(|e| e.card.id == plain);
     // A leg has a friction of its own at its joints.
     let found = if at_joint { found.next_back() } else { found.next() };
-    found.cloned().ok_or_else(|| Error::NoSuchEffect {
-        id: id.to_owned(),
-        suggestion: nearest(plain, all.iter().map(|e| e.card.id.as_str())),
+    found.cloned().ok_or_else(|| {
+        let ids = || all.iter().map(|e| e.card.id.as_str());
+        let mut suggestions: Vec<String> = Vec::new();
+        for id in ids().filter(|id| id.contains(plain)) {
+            // Some stand in the catalogue for a bench and for a leg.
+            if suggestions.iter().all(|s| s != id) {
+                suggestions.push(id.to_owned());
+            }
+        }
+        if plain.is_empty() || suggestions.is_empty() {
+            suggestions = nearest(plain, ids()).into_iter().collect();
+        }
+        Error::NoSuchEffect { id: id.to_owned(), suggestions }
     })
 }
 

@@ -119,13 +119,14 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
     let answer = Answer { headline: &headline, values: &values, certainty, reasons: &reasons };
     let bars = bars(&summary.missing_signals);
     let models = fails::Models { before: AS_GIVEN, after: REFITTED };
-    let furthest =
-        last.filter(|_| summary.missing_force.is_none()).and_then(|part| fails::worst(part, &models));
+    // Of a model that fits nothing is missing, whatever its noise follows.
+    let force = summary.missing_force.as_ref().filter(|_| !fits);
+    let furthest = last.filter(|_| force.is_none()).and_then(|part| fails::worst(part, &models));
     page.first_screen(|page| {
         page.answer(tone, &answer);
         let over_noise = "Root mean square of what is missing at each port, from the observer, over what the sensors' noise alone \
                           would leave there; beside each bar its size.";
-        match &summary.missing_force {
+        match force {
             Some(missing) => {
                 let (chart, caption) = (force::chart(missing), force::caption(missing, &[]));
                 page.side_by_side(&[(&chart, &caption), (&bars, over_noise)]);
