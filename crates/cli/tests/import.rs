@@ -123,6 +123,40 @@ fn files_with_one_clock_are_one_run_of_a_robot_and_single_numbers_are_comments()
 }
 
 #[test]
+fn a_load_cell_with_a_logger_of_its_own_is_a_part_of_the_run_on_one_clock_or_two() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, header: &str, start: f64, step: f64, rows: usize| {
+        let row = |i: usize| format!("{},{}\n", start + step * i as f64, (0.01 * i as f64).sin());
+        let file = folder.path().join(name);
+        std::fs::write(&file, format!("{header}\n{}", (0..rows).map(row).collect::<String>())).unwrap();
+        file
+    };
+    let drive = write("drive.csv", "time,motor_current_A", 0.0, 0.002, 500);
+    let imported = |cell: &Path, name: &str| {
+        let out = folder.path().join(name);
+        said(&["import", text(&drive), text(cell), "-o", text(&out)]);
+        let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+        (Campaign::read(&out), written)
+    };
+    let same = write("same.csv", "timestamp,force_N", 0.1, 0.001, 900);
+    let (campaign, written) = imported(&same, "one-clock");
+    assert!(written.matches("[[run]]").count() == 1 && !written.contains("offset_s"), "{written}");
+    campaign.unwrap_or_else(|e| panic!("{e}\n{written}"));
+    let own = write("own.csv", "timestamp,force_N", 1000.0, 0.001, 1000);
+    let (campaign, written) = imported(&own, "own-clock");
+    assert!(
+        written.contains("offset_s = -1000.000000") && written.contains("clocks do not meet"),
+        "{written}"
+    );
+    let record = campaign.unwrap_or_else(|e| panic!("{e}\n{written}")).runs.remove(0).record;
+    assert!(record.output("force_1_n").is_some() && record.input("current_a").is_some());
+    // What is much shorter is another run, whatever it holds.
+    let short = write("short.csv", "timestamp,force_N", 1000.0, 0.001, 300);
+    let (_, written) = imported(&short, "runs");
+    assert_eq!(written.matches("[[run]]").count(), 2, "{written}");
+}
+
+#[test]
 fn bench_and_actuator_are_those_of_the_columns() {
     let folder = tempfile::tempdir().unwrap();
     let logs = [

@@ -1,8 +1,11 @@
 //! `sealegs import`: what is in other people's log files, and a first campaign file for them.
 
+mod parts;
+
 use crate::failure::{OrBadInput, bad_input};
 use crate::output::{Destination, NewFolder};
 use clap::Args;
+use parts::{Parts, parts};
 use sealegs::diagnosis::text::figures;
 use sealegs::logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey_named};
 use sealegs::logs::{Log, Place, lerobot};
@@ -15,7 +18,7 @@ use std::path::{Component, Path, PathBuf};
 /// Look into log files of any kind and write a first campaign file
 #[derive(Args)]
 pub struct Import {
-    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run, files with the same clock and other columns one run together
+    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run, files with other channels of one time one run together
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write campaign.toml into this folder, which is made if it is not there
@@ -201,18 +204,9 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
     for column in lines.values() {
         let _ = writeln!(out, "{}", map(column, &mut taken));
     }
-    if are_one_run(logs) {
-        let files: Vec<String> = logs
-            .iter()
-            .map(|(file, ..)| Ok(quoted(&relative(folder, file)?)))
-            .collect::<anyhow::Result<_>>()?;
-        let _ = write!(
-            out,
-            "\n# One run: the files have the same clock and different columns.\n[[run]]\nfiles = [{}]\nrole = \"fit\"\n\
-             # TODO: a run with role = \"holdout\", which the fit does not see: another one, or the same files with\n\
-             # to_s = … here and from_s = … there\n",
-            files.join(", ")
-        );
+    let parts = parts(logs);
+    if parts != Parts::Runs {
+        out.push_str(&one_run(folder, logs, &parts)?);
         return Ok(out);
     }
     let mut runs: Vec<String> = Vec::new();
@@ -242,6 +236,37 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
         );
     }
     Ok(out)
+}
+
+/// The run that files are parts of.
+fn one_run(folder: &Path, logs: &[(&Path, Log, Survey)], parts: &Parts) -> anyhow::Result<String> {
+    let said = match parts {
+        Parts::Runs | Parts::SameStamps => "the files have the same clock and different columns.",
+        Parts::OneClock => "the files have different channels, at times that overlap.",
+        Parts::OwnClocks(_) => {
+            "the files have different channels and are as long as each other, and their clocks do not meet. TODO: each\n\
+             # offset_s lets its file begin with the first one; state when it did. If they are runs, each needs a [[run]]."
+        }
+    };
+    let files: Vec<String> = logs
+        .iter()
+        .enumerate()
+        .map(|(i, (file, ..))| {
+            let file = quoted(&relative(folder, file)?);
+            Ok(match parts {
+                Parts::OwnClocks(offsets) if offsets[i] != 0.0 => {
+                    format!("{{ file = {file}, offset_s = {:.6} }}", offsets[i])
+                }
+                _ => file,
+            })
+        })
+        .collect::<anyhow::Result<_>>()?;
+    Ok(format!(
+        "\n# One run: {said}\n[[run]]\nfiles = [{}]\nrole = \"fit\"\n\
+         # TODO: a run with role = \"holdout\", which the fit does not see: another one, or the same files with\n\
+         # to_s = … here and from_s = … there\n",
+        files.join(", ")
+    ))
 }
 
 /// Episodes of a file that become runs: more cost a search time and tell it little.
@@ -316,28 +341,6 @@ fn rig(logs: &[(&Path, Log, Survey)]) -> String {
 /// Number of joints that columns are guessed to belong to.
 fn joints(logs: &[(&Path, Log, Survey)]) -> usize {
     targets(logs).filter_map(|target| Some(target.rsplit_once('.')?.0)).collect::<BTreeSet<&str>>().len()
-}
-
-/// Whether files are parts of one run: one table each, equal time stamps, and no other column twice.
-fn are_one_run(logs: &[(&Path, Log, Survey)]) -> bool {
-    let mut names: Vec<&str> = Vec::new();
-    let mut first: Option<&[f64]> = None;
-    for (_, log, found) in logs {
-        let ([table], [seen]) = (&log.tables[..], &found.tables[..]) else { return false };
-        let Some(clock) = &seen.clock else { return false };
-        let time = table.columns[clock.column].values.as_slice();
-        if first.is_some_and(|first| first != time) {
-            return false;
-        }
-        first = Some(time);
-        for (_, column) in table.columns.iter().enumerate().filter(|(i, _)| *i != clock.column) {
-            if names.contains(&column.name.as_str()) {
-                return false;
-            }
-            names.push(&column.name);
-        }
-    }
-    logs.len() > 1
 }
 
 /// One line of `[columns]`; commented out where nothing is guessed, or where another column has the channel.
