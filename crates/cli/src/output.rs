@@ -126,7 +126,7 @@ pub struct NewFolder {
 }
 
 impl NewFolder {
-    /// Checks that `path` is free and can be made, by making `<path>.part` beside it.
+    /// Checks that `path` is free and can be made, by making `<path>.part` beside it, and the folders above.
     ///
     /// # Errors
     ///
@@ -141,7 +141,9 @@ impl NewFolder {
         let mut name = name.to_owned();
         name.push(".part");
         let unfinished = path.with_file_name(name);
-        std::fs::create_dir(&unfinished)
+        let above = unfinished.parent().map_or(Ok(()), std::fs::create_dir_all);
+        above
+            .and_then(|()| std::fs::create_dir(&unfinished))
             .map_err(|e| bad_input(format!("{}: cannot be made: {e}", path.display())))?;
         if let Ok(mut files) = UNFINISHED.lock() {
             files.push(unfinished.clone());

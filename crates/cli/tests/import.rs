@@ -116,7 +116,8 @@ fn files_with_one_clock_are_one_run_of_a_robot_and_single_numbers_are_comments()
         (0..40).map(|i| format!("{{\"timestamp\": {}, \"position\": 0.{i}}}", 0.01 * f64::from(i))).collect();
     let head = "\"mass\": 1.13, \"kp\": 32";
     std::fs::write(&servo, format!("{{{head}, \"entries\": [{}]}}", entries.join(", "))).unwrap();
-    let out = folder.path().join("servo");
+    // The folders above are made, too.
+    let out = folder.path().join("of/a/servo");
     said(&["import", text(&servo), "-o", text(&out)]);
     let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
     assert!(written.contains("mass = 1.13") && written.contains("kp = 32"), "{written}");

@@ -126,7 +126,8 @@ fn bad_input_is_refused_and_leaves_nothing() {
     let place = folder.path().join("there");
     std::fs::create_dir(&place).unwrap();
     refused(&["mystery", "-o", text(&place)], "is there already");
-    refused(&["mystery", "-o", text(&folder.path().join("no/such/place"))], "cannot be made");
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    refused(&["mystery", "-o", text(&folder.path().join("file/place"))], "cannot be made");
     refused(&["reveal", text(&place)], "answer.sealed");
-    assert_eq!(entries(folder.path()), ["there"]);
+    assert_eq!(entries(folder.path()), ["file", "there"]);
 }
