@@ -11,6 +11,7 @@ mod foreign;
 mod offset;
 mod pair;
 mod policy;
+mod rates;
 mod stuck;
 mod units;
 
@@ -43,6 +44,8 @@ pub enum Problem {
     DeadColumn,
     /// A column stops at its extremes.
     ClippedColumn,
+    /// An angle jumps by a turn.
+    Wraps,
     /// Rows in which nothing new was read.
     RepeatedRows,
     /// Rows that the clock says are not there.
@@ -57,7 +60,7 @@ pub enum Problem {
 
 impl Problem {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::FlippedSign,
         Self::UnitFactor,
         Self::OddScale,
@@ -67,6 +70,7 @@ impl Problem {
         Self::EchoedCommand,
         Self::DeadColumn,
         Self::ClippedColumn,
+        Self::Wraps,
         Self::RepeatedRows,
         Self::MissingRows,
         Self::Spikes,
@@ -128,6 +132,7 @@ fn capital(text: &str) -> String {
 #[must_use]
 pub fn look(campaign: &Campaign, model: &dyn Model) -> Vec<Finding> {
     let mut findings = columns::look(campaign);
+    findings.extend(rates::look(campaign));
     findings.extend(against::look(campaign, model));
     findings.sort_by(|a, b| b.severity.cmp(&a.severity).then(a.problem.cmp(&b.problem)));
     findings

@@ -21,10 +21,10 @@ pub struct Rule {
 ///
 /// What stops is what no effect of any catalogue can be: a diagnosis would name something else for it. Whatever an
 /// effect, a sensor or a logger can do to a rig that is wired and scaled as the file says is a remark at most.
-pub const RULES: [Rule; 14] = [
+pub const RULES: [Rule; 15] = [
     Rule {
         problem: Problem::FlippedSign,
-        measure: "correlation of measured with predicted, negated, where the slope is within 3 and 1/3",
+        measure: "correlation of measured with predicted, or of a rate with its quantity's increase, negated, where the slope is within 3 and 1/3",
         remark: 0.7,
         stop: Some(0.9),
         origin: "a wrong model that is half of the signal off still correlates by +0.7; -0.9 leaves a fifth of the \
@@ -32,7 +32,8 @@ pub const RULES: [Rule; 14] = [
     },
     Rule {
         problem: Problem::UnitFactor,
-        measure: "correlation of measured with predicted, where the slope is within 15 % of a unit's factor",
+        measure: "correlation of measured with predicted, or of a rate with its quantity's increase, where the slope is within 15 % \
+                  of a unit's factor",
         remark: 0.95,
         stop: Some(0.95),
         origin: "nominal parameters are known to 10 %, and no factor of the table is below 4; below 0.95 (a tenth of \
@@ -91,6 +92,14 @@ pub const RULES: [Rule; 14] = [
         remark: 2e-3,
         stop: None,
         origin: "40 rows of a run of 20 s; a limit in a sensor or a drive is an effect that a diagnosis can describe",
+    },
+    Rule {
+        problem: Problem::Wraps,
+        measure: "steps of a turn, to a twentieth of it, between rows where the angle moves by less than a fifth of one",
+        remark: 1.0,
+        stop: Some(1.0),
+        origin: "no machine turns once between two rows and stands still before and after: its acceleration would be that of a \
+                 turn within a sample",
     },
     Rule {
         problem: Problem::RepeatedRows,
