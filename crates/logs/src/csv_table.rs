@@ -1,4 +1,4 @@
-//! Tables as text: CSV, also separated by semicolons, tabs or spaces, with comments, with or without a header, in UTF-8 or UTF-16.
+//! Tables as text: CSV, also separated by semicolons, tabs or spaces, with comments, with or without a header, in UTF-8, Latin-1 or UTF-16.
 
 use crate::budget::{Budget, MOST_COLUMNS};
 use crate::table::{Column, EMPTY, EXACT, IN_UNIT, Log, Places, TRUTH, Table, no_number};
@@ -10,7 +10,7 @@ use std::path::Path;
 ///
 /// The first line that is no comment (`#`, `%`, `//`) holds the columns' names; where it holds numbers, the comment
 /// before it does if it has as many words, and else nobody does ([`Table::headerless`]). The separator is that of
-/// `,`, `;`, tab and space which the line has first in this order; with `;` a comma inside a cell is a decimal point.
+/// `;`, tab, `,` and space which the line has first in this order; a comma inside a cell is a decimal point.
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
     let text = in_utf8(bytes);
     let bytes = text.as_ref();
@@ -122,7 +122,8 @@ impl<'a> Start<'a> {
             let length = rest.iter().position(|&b| b == b'\n').map_or(rest.len(), |at| at + 1);
             let line = rest[..length].trim_ascii();
             let mark = [&b"#"[..], b"%", b"//"].into_iter().find(|mark| line.starts_with(mark));
-            let blank = line.is_empty();
+            // Spreadsheets begin with `sep=;`.
+            let blank = line.is_empty() || (line.len() == 5 && line.starts_with(b"sep="));
             // The reader skips and counts blank lines itself, unless a comment follows them.
             if length == 0 || (mark.is_none() && !blank) {
                 let separator = separator(line);
@@ -139,7 +140,6 @@ impl<'a> Start<'a> {
 }
 
 fn separator(line: &[u8]) -> u8 {
-    // With semicolons about, commas are decimal points.
     [b';', b'\t', b',', b' '].into_iter().find(|s| line.contains(s)).unwrap_or(b',')
 }
 
@@ -164,7 +164,7 @@ impl Building {
         bytes: usize,
     ) -> Result<Self, LogError> {
         let cells = first.clone().count();
-        let numbers = first.clone().filter(|cell| number(cell, start.separator == b';').is_ok()).count();
+        let numbers = first.clone().filter(|cell| number(cell, start.separator != b',').is_ok()).count();
         if numbers > 0 && numbers < cells {
             return Err(LogError::new(path, line, None, NO_HEADER));
         }
@@ -173,7 +173,7 @@ impl Building {
             places: Places::lines(),
             headerless: false,
             budget: Budget::of_file(bytes),
-            decimal_comma: start.separator == b';',
+            decimal_comma: start.separator != b',',
             units_may_follow: numbers == 0,
         };
         if numbers == 0 {
@@ -232,7 +232,11 @@ impl Building {
     ) -> Result<(), LogError> {
         if count != self.columns.len() {
             let missing = self.columns.get(count).map(|c| c.name.as_str());
-            let problem = format!("has {count} cells, the header {} columns", self.columns.len());
+            let cure = match self.columns[0].values.is_empty() {
+                true => "; where lines stand above the columns' names, delete them or begin them with #",
+                false => "",
+            };
+            let problem = format!("has {count} cells, the header {} columns{cure}", self.columns.len());
             return Err(LogError::new(path, line, missing, problem));
         }
         self.budget.take(count).map_err(|problem| LogError::whole(path, problem))?;
@@ -280,6 +284,9 @@ impl Building {
 /// The longest unit's letters: `[mNm/rad]`.
 const LONGEST_UNIT: usize = 9;
 
+/// Bytes that tell whether a file is a text: a header and some rows.
+const LOOKED_AT: usize = 4096;
+
 const NO_HEADER: &str = "no header: the first row must hold the columns' names";
 
 /// What a cell is if not a finite number.
@@ -310,12 +317,21 @@ fn number(cell: &[u8], decimal_comma: bool) -> Result<f64, Odd> {
     }
 }
 
-/// A text in UTF-16, as spreadsheets and instruments save it, in UTF-8; as it is if it begins with no mark of that.
+/// A text in UTF-16 or Latin-1, as spreadsheets and instruments save it, in UTF-8. UTF-16 begins with a mark; what is no UTF-8, but
+/// has no control characters either, is Latin-1.
 fn in_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     let unit: fn([u8; 2]) -> u16 = match bytes {
         [0xff, 0xfe, ..] => u16::from_le_bytes,
         [0xfe, 0xff, ..] => u16::from_be_bytes,
-        _ => return Cow::Borrowed(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)),
+        _ => {
+            let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+            let start = &bytes[..bytes.len().min(LOOKED_AT)];
+            let is_text = |b: &u8| matches!(b, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0xa0..);
+            return match start.iter().all(is_text) && std::str::from_utf8(bytes).is_err() {
+                true => Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect::<String>().into_bytes()),
+                false => Cow::Borrowed(bytes),
+            };
+        }
     };
     let units = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
     let text = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
@@ -336,6 +352,8 @@ mod tests {
         for text in [
             "# a rig\n\nt, q ,\"f\"\n0,1,2\n# in between\n1,2,3\n\n2,3,4\n",
             "t;q;f\n0,0;1,0;2\n1;2,0;3\n2;3;4\n",
+            "sep=;\nt;q;f\n0,0;1,0;2\n1;2,0;3\n2;3;4\n",
+            "t\tq\tf\n0,0\t1,0\t2\n1\t2,0\t3\n2\t3\t4\n",
             "% made by a rig\nt\tq\tf\n0\t1\t2\n1\t2\t3\n2\t3\t4",
             "  t   q  f\n 0.0  1 2\n 1 2 3\n2 3 4  \n",
             "# rig 7\n# t q f\n0 1 2\n1 2 3\n2 3 4\n",
@@ -398,8 +416,11 @@ mod tests {
     }
 
     #[test]
-    fn a_text_in_utf_16_is_read_with_either_byte_first() {
+    fn a_text_in_latin_1_or_utf_16_is_read() {
         let text = "t;Kraft µN\n0;1,5\n1;2\n";
+        let latin = b"t;Winkel \xb0\n0;1,5\n1;2\n";
+        let table = parse(Path::new("r.csv"), latin).unwrap().tables.remove(0);
+        assert_eq!(table.columns[1].name, "Winkel °");
         let in_order = |mark: [u8; 2], of: fn(u16) -> [u8; 2]| -> Vec<u8> {
             mark.into_iter().chain(text.encode_utf16().flat_map(of)).collect()
         };

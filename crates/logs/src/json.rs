@@ -26,7 +26,12 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
     let said = |e: &serde_json::Error| {
         let said = e.to_string();
         let said = said.split(" at line ").next().unwrap_or_default().to_owned();
-        LogError::new(path, e.line() as u64, None, format!("is no readable JSON: {said}"))
+        LogError::new(
+            path,
+            e.line() as u64,
+            None,
+            format!("is no readable JSON: {said}{}", of_numbers(bytes)),
+        )
     };
     let mut text = serde_json::Deserializer::from_slice(bytes);
     Outside { found: &mut found, path: String::new() }.deserialize(&mut text).map_err(|e| said(&e))?;
@@ -62,10 +67,18 @@ fn lines(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
     Ok(log)
 }
 
+/// What Python writes for numbers that JSON has not, behind a message.
+fn of_numbers(text: &[u8]) -> &'static str {
+    let has = |word: &[u8]| text.windows(word.len()).any(|w| w == word);
+    if has(b"NaN") || has(b"Infinity") { "; NaN and Infinity are no JSON: write null" } else { "" }
+}
+
 /// Puts one JSON object into a row.
 pub(crate) fn entry(text: &[u8], rows: &mut Rows, budget: &mut Budget) -> Result<(), String> {
     let said = |e: &serde_json::Error| {
-        format!("is no readable JSON: {}", e.to_string().split(" at line ").next().unwrap_or_default())
+        let said = e.to_string();
+        let said = said.split(" at line ").next().unwrap_or_default();
+        format!("is no readable JSON: {said}{}", of_numbers(text))
     };
     let mut deserializer = serde_json::Deserializer::from_slice(text);
     Inside { rows: &mut *rows, budget: &mut *budget, path: &mut String::new() }

@@ -17,6 +17,9 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
+/// What a column of such holds, and in which unit.
+pub(crate) const STAMPS: &str = "time stamps";
+
 /// Values that are decoded at a time.
 const BATCH: usize = 65_536;
 
@@ -190,7 +193,7 @@ impl Number {
     fn holds(self) -> Option<String> {
         match self {
             Self::Bool => Some(TRUTH.to_owned()),
-            Self::Stamp(unit) => Some(format!("time stamps (Timestamp) in {unit}")),
+            Self::Stamp(unit) => Some(format!("{STAMPS} (Timestamp) in {unit}")),
             _ => None,
         }
     }

@@ -1,6 +1,7 @@
 //! What is in a log: rates, gaps, ranges, dead columns, and what each column probably is.
 
 use crate::moment::{DATES, TIMES};
+use crate::parquet_table::STAMPS;
 use crate::table::{Column, Log, Table};
 use crate::{Place, guess};
 
@@ -132,7 +133,11 @@ fn of_clock(table: &Table) -> Option<ClockSurvey> {
         Some(own) => (own, "the time at which each message was logged".to_owned()),
         None => {
             let fit = |c: &Column| c.fault.is_none() && goes_on(&c.values);
-            let dated = |c: &Column| c.holds.as_deref().is_some_and(|h| [DATES, TIMES].contains(&h));
+            // pandas' index of time stamps may have no name.
+            let dated = |c: &Column| {
+                let stamps = |h: &str| [DATES, TIMES].contains(&h) || h.starts_with(STAMPS);
+                c.holds.as_deref().is_some_and(stamps)
+            };
             let at = |like: &dyn Fn(&Column) -> bool| table.columns.iter().position(|c| like(c) && fit(c));
             match at(&dated) {
                 Some(index) => (index, "its cells are dates or times, and they go on".to_owned()),
@@ -180,7 +185,7 @@ fn of_clock(table: &Table) -> Option<ClockSurvey> {
 }
 
 /// Whether numbers nearly always increase: a few that do not are a fault of a clock, and no other signal.
-fn goes_on(values: &[f64]) -> bool {
+pub(crate) fn goes_on(values: &[f64]) -> bool {
     let steps = values.len().saturating_sub(1);
     let on = values.windows(2).filter(|w| w[1] > w[0]).count();
     steps > 0 && on as f64 > 0.95 * steps as f64

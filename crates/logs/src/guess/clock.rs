@@ -3,7 +3,7 @@
 use super::name::{last_part, words};
 use crate::table::stated_unit;
 
-const TIME: [&str; 12] = [
+const TIME: [&str; 18] = [
     "t",
     "time",
     "times",
@@ -16,6 +16,12 @@ const TIME: [&str; 12] = [
     "seconds",
     "clock",
     "elapsed",
+    "millis",
+    "micros",
+    "nanos",
+    "tick",
+    "zeit",
+    "uptime",
 ];
 
 /// Whether a name says that it is time.

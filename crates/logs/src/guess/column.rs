@@ -12,6 +12,9 @@ pub(super) const DEGREES: f64 = 20.0;
 /// An angle beyond this is in no degrees either: a turn and a tenth.
 const LARGEST_DEGREES: f64 = 400.0;
 
+/// A current, a torque or a speed in whole numbers beyond this is raw: a drive that resolves 1 A or 1 N m has no control.
+const LARGEST_WHOLE: f64 = 50.0;
+
 /// The fewest counts of an encoder's turn, as a power of two: 12 bits are the coarsest that servos have.
 const FEWEST_COUNTS: f64 = 12.0;
 
@@ -38,6 +41,13 @@ pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &Column
         (None, None) => return None,
     };
     let commanded = find(&COMMANDED).or_else(|| all.iter().find(|w| COMMANDS.contains(&w.as_str())));
+    // Franka's `tau_J_d` is desired, and a current's `d` an axis.
+    let last = words.iter().rev().find(|w| w.chars().any(char::is_alphabetic));
+    let desired = last.filter(|w| *w == "d" && words.len() > 1 && quantity != Quantity::Current);
+    let commanded = commanded.or(desired);
+    if quantity == Quantity::Current && words.iter().any(|w| w == "d") {
+        return Some(Guess::Aside("the current of the d axis makes no torque".to_owned()));
+    }
     let (supply, derived) = (find(&SUPPLY), find(&DERIVED));
     let of_spring = find(&["spring"]).is_some();
     let of_motor = find(&["motor", "rotor"]).is_some();
@@ -77,6 +87,13 @@ pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &Column
         reason.push_str(&format!("; '{word}': made by the controller"));
     }
     let settings = settings(target, unit, &words, values, column, &mut reason);
+    if let Some(unit) = name::unknown_unit(name) {
+        reason.push_str(&format!("; TODO: its unit '{unit}' is not known"));
+    }
+    let fast = matches!(quantity, Quantity::Current | Quantity::Torque | Quantity::Speed);
+    if fast && unit.is_none() && reach(column) > LARGEST_WHOLE && are_whole(values) {
+        reason.push_str("; whole numbers: raw counts? TODO: its scale");
+    }
     // A command of a current is the input, a measured one only if there is none; so for torques and forces.
     let measured = matches!(quantity, Quantity::Current | Quantity::Torque) && commanded.is_none();
     let rank = 1 + u8::from(measured) + 2 * u8::from(derived.is_some());
@@ -94,10 +111,9 @@ fn settings(
 ) -> Option<String> {
     let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
     let (size, angle) = (reach(column), target.ends_with("_rad"));
-    let whole = || values.iter().filter(|v| v.is_finite()).all(|v| v.fract() == 0.0);
     let counts = match unit {
         Some((_, of)) => of == Dimension::Counts,
-        None => size > LARGEST_DEGREES && whole(),
+        None => size > LARGEST_DEGREES && are_whole(values),
     };
     if angle && counts {
         let turn = (size + 1.0).log2().ceil().max(FEWEST_COUNTS).exp2();
@@ -111,6 +127,10 @@ fn settings(
             reason.push_str(&format!("; reaches {size:.0}: degrees, it seems"));
             "deg"
         }
+        None if angle && size > LARGEST_DEGREES => {
+            reason.push_str(&format!("; reaches {size:.0}: TODO: its unit"));
+            ""
+        }
         None if has(&["rpm"]) => "rpm",
         None if has(&["ma"]) => "mA",
         None => "",
@@ -122,8 +142,14 @@ fn settings(
     (!all.is_empty()).then(|| all.join(", "))
 }
 
+/// Whether all numbers are whole.
+fn are_whole(values: &[f64]) -> bool {
+    values.iter().filter(|v| v.is_finite()).all(|v| v.fract() == 0.0)
+}
+
 /// Whether an angle jumps by a turn and stays within it: an encoder that begins again.
 fn begins_again(values: &[f64], turn: f64) -> bool {
-    let within = values.iter().all(|v| v.abs() <= 1.05 * turn);
-    within && values.windows(2).any(|w| (w[1] - w[0]).abs() > 0.8 * turn)
+    let finite = || values.iter().copied().filter(|v| v.is_finite());
+    let within = finite().all(|v| v.abs() <= 1.05 * turn);
+    within && finite().zip(finite().skip(1)).any(|(a, b)| (b - a).abs() > 0.8 * turn)
 }

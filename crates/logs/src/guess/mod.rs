@@ -8,7 +8,7 @@ mod words;
 pub(crate) use clock::{is_time, time_unit};
 
 use crate::lerobot;
-use crate::survey::{ColumnSurvey, Role};
+use crate::survey::{ColumnSurvey, Role, goes_on};
 use crate::table::Table;
 use column::{DEGREES, by_words};
 use sealegs_model::{Unit, columns};
@@ -48,6 +48,10 @@ pub(crate) fn roles(
             continue;
         }
         let own = &table.columns[i].name;
+        if is_time(own) && goes_on(values) {
+            asides.push((i, "a clock of its own".to_owned()));
+            continue;
+        }
         let stated = known(own).filter(|own| own.contains('_') && Unit::of_channel(own).is_ok());
         if let Some(target) = stated {
             let reason = "the data contract calls it so".to_owned();
@@ -89,9 +93,17 @@ pub(crate) fn roles(
             Some(joint) => format!("{joint}.{}", of_a_joint(guess.target)),
             None => guess.target.to_owned(),
         };
-        // A bench has one input.
+        // A bench has one input, and a joint one command.
         let input = |t: &str| columns::INPUTS.contains(&t);
-        let other = taken.iter().find(|(t, _)| *t == target || (input(t) && input(&target)));
+        let command_of = |t: &str| {
+            let (joint, what) = t.rsplit_once('.')?;
+            columns::JOINT_COMMANDS.contains(&what).then(|| joint.to_owned())
+        };
+        let commands = command_of(&target);
+        let twice = |t: &str| {
+            t == target || (input(t) && input(&target)) || (commands.is_some() && command_of(t) == commands)
+        };
+        let other = taken.iter().find(|(t, _)| twice(t));
         if let Some((_, other)) = other {
             columns[guess.column].aside = Some(format!("{}; '{other}' is taken in its place", guess.reason));
             continue;

@@ -33,8 +33,8 @@ const UNITS: [(&[&str], &str, Dimension); 28] = [
     (&["um", "µm"], "um", Dimension::Length),
     (&["rad_s", "rad/s", "radps", "rad_per_s"], "", Dimension::AngularSpeed),
     (&["deg_s", "deg/s", "dps", "degps", "°/s"], "deg/s", Dimension::AngularSpeed),
-    (&["rpm"], "rpm", Dimension::AngularSpeed),
-    (&["rev_s", "rev/s", "turns/s", "turn/s"], "rev/s", Dimension::AngularSpeed),
+    (&["rpm", "1/min", "min^-1", "min-1", "u/min"], "rpm", Dimension::AngularSpeed),
+    (&["rev_s", "rev/s", "turns/s", "turn/s", "rps"], "rev/s", Dimension::AngularSpeed),
     (&["m_s", "m/s"], "", Dimension::LinearSpeed),
     (&["mm_s", "mm/s"], "mm/s", Dimension::LinearSpeed),
     (&["rad_s2", "rad/s2", "rad/s^2", "m_s2", "m/s2", "m/s^2"], "", Dimension::Acceleration),
@@ -70,7 +70,13 @@ impl Dimension {
 
 /// The unit that a text is, by what `unit = ` calls it, nothing for SI.
 fn known(text: &str) -> Option<(&'static str, Dimension)> {
-    let text = text.trim().to_lowercase();
+    let text = text
+        .trim()
+        .to_lowercase()
+        .replace(['·', '⋅'], "*")
+        .replace('⁻', "-")
+        .replace('¹', "1")
+        .replace('μ', "µ");
     UNITS.iter().find(|(all, ..)| all.contains(&text.as_str())).map(|&(_, unit, of)| (unit, of))
 }
 
@@ -103,6 +109,18 @@ pub(super) fn without_unit(name: &str) -> (&str, Option<(&'static str, Dimension
     if name.len() - at > 2 || says_so() { (rest, Some(unit)) } else { (name, None) }
 }
 
+/// What stands in brackets at a name's end, where it is no unit that is known: `tics` of `speed [tics]`, and not `2` of `positions[2]`.
+pub(super) fn unknown_unit(name: &str) -> Option<&str> {
+    let name = name.trim();
+    let open = if name.ends_with(']') { '[' } else { '(' };
+    let inside = name.strip_suffix([')', ']'])?;
+    let at = inside.rfind(open)?;
+    let (before, inside) = (&name[..at], &inside[at + 1..]);
+    // A list's member stands behind its name without a space.
+    let apart = open == '(' || before.ends_with([' ', '_']);
+    (apart && !inside.is_empty() && known(inside).is_none()).then_some(inside)
+}
+
 /// The words of a name, small: `tau_con1` is `tau`, `con`, `1`; `jointPos` is `joint`, `pos`.
 pub(super) fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
@@ -122,9 +140,16 @@ pub(super) fn words(name: &str) -> Vec<String> {
 }
 
 /// The last of a name's parts, without the topic or list that it is in.
+///
+/// What holds the values of a signal (`logsout.tau_ref.Data`) is no part of its name.
 pub(super) fn last_part(name: &str) -> &str {
-    name.rsplit('.').find(|part| !part.is_empty()).unwrap_or(name)
+    let parts = || name.rsplit('.').filter(|part| !part.is_empty());
+    let holds = |part: &&str| HOLDS.contains(&part.to_lowercase().as_str());
+    parts().find(|part| !holds(part)).or_else(|| parts().next()).unwrap_or(name)
 }
+
+/// What the field of a structure is called that holds a signal's values.
+const HOLDS: [&str; 5] = ["data", "value", "values", "signal", "signals"];
 
 /// What words say is measured, and by which of them. The first quantity of the list that is among them decides:
 /// `torque_enable` is no torque.
@@ -136,9 +161,10 @@ pub(super) fn quantity_of(words: &[String]) -> Option<(Quantity, &str)> {
 }
 
 /// Words before a quantity that name no joint: a part of one drive, or what kind of number it is.
-const NO_JOINT: [&str; 22] = [
+const NO_JOINT: [&str; 27] = [
     "motor", "joint", "spring", "load", "output", "input", "rotor", "link", "screw", "meas", "measured",
-    "actual", "act", "present", "raw", "filt", "real", "sensor", "encoder", "abs", "inc", "dot",
+    "actual", "act", "present", "raw", "filt", "real", "sensor", "encoder", "abs", "inc", "dot", "d", "q",
+    "id", "iq", "phase",
 ];
 
 fn is_quantity(word: &str) -> bool {
@@ -243,6 +269,21 @@ mod tests {
     }
 
     #[test]
+    fn units_are_known_as_instruments_write_them_and_others_are_said() {
+        let of = |name| without_unit(name).1.map(|(unit, _)| unit);
+        assert_eq!(of("rotor speed [1/min]"), Some("rpm"));
+        assert_eq!(of("Motor speed (min⁻¹)"), Some("rpm"));
+        assert_eq!(of("Torque command (N·m)"), Some(""));
+        assert_eq!(of("travel [μm]"), Some("um"));
+        assert_eq!(unknown_unit("speed [tics]"), Some("tics"));
+        for known in ["speed [rpm]", "positions[2]", "state[knee]", "speed"] {
+            assert_eq!(unknown_unit(known), None, "{known}");
+        }
+        assert_eq!(last_part("logsout.tau_ref.Data"), "tau_ref");
+        assert_eq!(last_part("data"), "data");
+    }
+
+    #[test]
     fn joints_are_named_before_and_behind_their_quantity() {
         let named = [
             ("hip_vel_rpm", "hip"),
@@ -257,7 +298,15 @@ mod tests {
         for (name, expected) in named {
             assert_eq!(joint(name).as_deref(), Some(expected), "{name}");
         }
-        for none in ["torque_Nm", "motor_position", "theta_dot", "pos_meas", "torque_enable"] {
+        for none in [
+            "torque_Nm",
+            "motor_position",
+            "theta_dot",
+            "pos_meas",
+            "torque_enable",
+            "d_current",
+            "q_current",
+        ] {
             assert_eq!(joint(none), None, "{none}");
         }
     }

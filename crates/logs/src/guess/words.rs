@@ -17,10 +17,26 @@ pub(super) enum Quantity {
 pub(super) const WORDS: [(Quantity, &[&str]); 8] = [
     (Quantity::Enable, &["enable", "enabled", "enabling"]),
     (Quantity::Temperature, &["temp", "temperature", "temps"]),
-    (Quantity::Speed, &["vel", "velocity", "velocities", "speed", "omega", "qd", "dq", "qdot", "rpm"]),
-    (Quantity::Torque, &["tau", "torque", "torques", "effort", "efforts", "moment", "nm"]),
-    (Quantity::Force, &["force", "forces", "loadcell", "cell", "fx", "fy", "fz", "f"]),
-    (Quantity::Current, &["current", "currents", "curr", "cur", "iq", "amp", "amps", "ma", "i"]),
+    (
+        Quantity::Speed,
+        &[
+            "vel",
+            "velocity",
+            "velocities",
+            "speed",
+            "omega",
+            "qd",
+            "dq",
+            "qdot",
+            "qvel",
+            "rpm",
+            "geschwindigkeit",
+            "drehzahl",
+        ],
+    ),
+    (Quantity::Torque, &["tau", "torque", "torques", "effort", "efforts", "moment", "nm", "drehmoment"]),
+    (Quantity::Force, &["force", "forces", "loadcell", "cell", "fx", "fy", "fz", "f", "kraft"]),
+    (Quantity::Current, &["current", "currents", "curr", "cur", "iq", "amp", "amps", "ma", "i", "strom"]),
     (Quantity::Voltage, &["voltage", "volt", "volts", "vbus", "vbat", "vin", "u"]),
     (
         Quantity::Position,
@@ -33,6 +49,8 @@ pub(super) const WORDS: [(Quantity, &[&str]); 8] = [
             "theta",
             "q",
             "qm",
+            "qpos",
+            "winkel",
             "enc",
             "encoder",
             "deflection",
@@ -43,7 +61,7 @@ pub(super) const WORDS: [(Quantity, &[&str]); 8] = [
     ),
 ];
 
-pub(super) const COMMANDED: [&str; 21] = [
+pub(super) const COMMANDED: [&str; 22] = [
     "cmd",
     "command",
     "commands",
@@ -65,11 +83,23 @@ pub(super) const COMMANDED: [&str; 21] = [
     "u",
     "req",
     "demand",
+    "soll",
 ];
 
 /// Of these a topic or a list above the column may be called as well.
-pub(super) const COMMANDS: [&str; 8] =
-    ["cmd", "command", "commands", "commanded", "desired", "reference", "target", "setpoints"];
+pub(super) const COMMANDS: [&str; 11] = [
+    "cmd",
+    "command",
+    "commands",
+    "commanded",
+    "des",
+    "desired",
+    "ref",
+    "reference",
+    "target",
+    "setpoint",
+    "setpoints",
+];
 
 /// Accelerations, which no channel holds.
 pub(super) const ACCELERATION: [&str; 8] =

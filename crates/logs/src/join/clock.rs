@@ -68,7 +68,10 @@ pub(super) fn clock(
             let hint = table.columns.iter().find(|c| c.name.contains("time") || c.name.contains("stamp"));
             let hint = hint.map_or_else(String::new, |c| format!(" (found '{}')", c.name));
             let Some(rate) = request.sample_rate_hz.filter(|_| alone) else {
-                let problem = format!("is missing in {}{hint}; map a column onto it", title(files, at));
+                let problem = format!(
+                    "is missing in {}{hint}; map a column onto it, or state sample_rate_hz",
+                    title(files, at)
+                );
                 return Err(LogError::new(&file.path, None, Some("time_s"), problem).into());
             };
             notes.push(format!("{}: time is made of the stated {rate} Hz{hint}", title(files, at)));
@@ -106,12 +109,28 @@ pub(super) fn clock(
     })
 }
 
+/// Counters of time that begin again, and after how many of their units.
+const COUNTERS: [(&str, f64); 4] = [
+    ("a counter of 16 bits", 65_536.0),
+    ("a counter of 32 bits", 4_294_967_296.0),
+    ("a count of the nanoseconds of a second", 1e9),
+    ("a count of the seconds of a day", 86_400.0),
+];
+
+/// Share of its period within which a counter falls where it begins again: a row may come that late.
+const NEAR_COUNTER: f64 = 0.02;
+
 /// What is wrong with a time stamp that does not come after the one before, and what to do.
 #[must_use]
-pub fn time_fault(stamp: f64, before: f64) -> (String, &'static str) {
-    let (what, cure) = match stamp == before {
-        true => ("repeats", "delete such rows, or leave the column out and state sample_rate_hz"),
-        false => ("goes back", "where a log begins anew, cut the file in two"),
+pub fn time_fault(stamp: f64, before: f64) -> (String, String) {
+    let fallen = before - stamp;
+    let counter = COUNTERS.iter().find(|(_, period)| (fallen / period - 1.0).abs() < NEAR_COUNTER);
+    let (what, cure) = match counter {
+        _ if stamp == before => {
+            ("repeats", "delete such rows, or leave the column out and state sample_rate_hz".to_owned())
+        }
+        Some((what, period)) => ("goes back", format!("{what} begins again: map it with wrap = {period}")),
+        None => ("goes back", "where a log begins anew, cut the file in two".to_owned()),
     };
     (format!("time {what}: {stamp} after {before}"), cure)
 }

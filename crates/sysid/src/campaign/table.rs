@@ -183,7 +183,9 @@ pub(super) fn check_columns(path: &Path, at: Place, words: &[&str], said: Said) 
     if !words.contains(&"time_s") {
         let is_time = |w: &&&str| w.contains("time") || w.contains("stamp") || **w == "t";
         let hint = words.iter().find(is_time).map_or_else(String::new, |w| format!(" (found '{w}')"));
-        let problem = format!("is missing{hint}; map a column onto it in the campaign's [columns]");
+        let problem = format!(
+            "is missing{hint}; map a column onto it in the campaign's [columns], or state sample_rate_hz"
+        );
         return Err(Error::bad(path, at, Some("time_s"), problem));
     }
     if said.bench == Bench::Robot && !words.iter().any(|w| is_joint_command(w)) {

@@ -18,7 +18,7 @@ use std::path::{Component, Path, PathBuf};
 /// Look into log files of any kind and write a first campaign file
 #[derive(Args)]
 pub struct Import {
-    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run, files with other channels of one time one run together
+    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run; files with different channels of the same time become one run
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write campaign.toml into this folder, which is made if it is not there
@@ -39,6 +39,10 @@ pub fn run(arguments: &Import) -> anyhow::Result<u8> {
         logs.push((file, log, found));
     }
     let mut out = String::new();
+    let numbers = |table: &TableSurvey| table.columns.iter().any(|c| c.range.is_some());
+    if let Some((file, ..)) = logs.iter().find(|(.., found)| !found.tables.iter().any(numbers)) {
+        return Err(bad_input(format!("{}: holds no column of numbers", file.display())));
+    }
     for (file, log, found) in &logs {
         describe(&mut out, file, log, found);
     }
@@ -179,7 +183,9 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
         }
     }
     if logs.iter().all(|(_, _, s)| s.tables.first().is_none_or(|t| t.clock.is_none())) {
-        out.push_str("# sample_rate_hz = 1000.0    # TODO: no column looks like time\n");
+        let rate = logs.iter().find_map(|(_, log, _)| rate_hz(log));
+        let (rate, why) = rate.unwrap_or((1000.0, "no column looks like time".to_owned()));
+        let _ = writeln!(out, "# sample_rate_hz = {rate:?}    # TODO: {why}");
     }
     out.push_str(
         "\n# What the columns become: \"own name\" = \"channel\", or\n\
@@ -267,6 +273,23 @@ fn one_run(folder: &Path, logs: &[(&Path, Log, Survey)], parts: &Parts) -> anyho
          # to_s = … here and from_s = … there\n",
         files.join(", ")
     ))
+}
+
+/// The rate of a log without a clock, by a single number in it that is called so, and which.
+fn rate_hz(log: &Log) -> Option<(f64, String)> {
+    let named = |(name, value): &(String, f64)| {
+        let own = name.rsplit('.').next().unwrap_or(name).to_lowercase();
+        let rate = match own.as_str() {
+            "dt" | "ts" | "samplingperiod" | "sample_time" | "sampletime" | "timestep" => 1.0 / value,
+            "fs" | "rate" | "rate_hz" | "sample_rate" | "sample_rate_hz" | "samplerate" | "frequency" => {
+                *value
+            }
+            _ => return None,
+        };
+        (rate.is_finite() && rate > 0.0)
+            .then(|| (rate, format!("no column looks like time; by '{name}' = {}", short(*value, 6))))
+    };
+    log.constants.iter().find_map(named)
 }
 
 /// Episodes of a file that become runs: more cost a search time and tell it little.
