@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 /// The options that such a verb has.
 #[derive(Args)]
 pub struct JobArguments {
-    /// Keep one file for each job in this folder, in place of a result; a job whose file is whole is not done again.
-    /// `sealegs merge FOLDER` puts the results together
+    /// Write one file for each job into this folder, instead of a result; a job with a complete file is skipped.
+    /// `sealegs merge FOLDER` combines the results
     #[arg(long, value_name = "FOLDER")]
     pub jobs: Option<PathBuf>,
     /// Do only every N-th job of the list, beginning with the I-th: one shard for each machine that shares the folder

@@ -19,7 +19,7 @@ use std::sync::OnceLock;
 #[command(
     name = "sealegs",
     version = VERSION,
-    about = "A sandbox for humanoid legs driven by linear series elastic actuators, and the finding of what its models lack",
+    about = "Simulate humanoid legs driven by linear series elastic actuators, and find the effects that its models lack",
     arg_required_else_help = true
 )]
 struct Arguments {

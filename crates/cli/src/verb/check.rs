@@ -184,7 +184,7 @@ fn text(campaign: &Campaign, rotary: bool, found: &Check, wrong: &[Finding]) -> 
     if let Some(seconds) = found.judged_on_first_s {
         let _ = writeln!(
             out,
-            "\nThis model is dear to simulate: parameters and effects are judged on the first {seconds:.0} s of each fit run. \
+            "\nThis model is expensive to simulate: parameters and effects are judged on the first {seconds:.0} s of each fit run. \
              What they show is there; the rest of the runs may show more."
         );
     }

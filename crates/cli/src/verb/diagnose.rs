@@ -44,8 +44,8 @@ pub struct Diagnose {
     /// Where no known effect explains everything, write the curve that does as an effect's file for `add`
     #[arg(long, value_name = "LAW.toml", conflicts_with = "jobs")]
     law: Option<PathBuf>,
-    /// Write the model with what is named, at the verdict's values: as `add` writes it, without another fit; of a campaign of
-    /// several units BETTER-UNIT.toml for each
+    /// Write the model with the named effects at the verdict's values, as `add` does but without another fit; for a campaign
+    /// of several units, one BETTER-UNIT.toml each
     #[arg(long, value_name = "BETTER.toml", conflicts_with = "jobs")]
     better: Option<PathBuf>,
     #[command(flatten)]

@@ -118,8 +118,7 @@ pub struct MysteryArguments {
     /// Another seed hides something else; a list (`1,4`, `1-64`) makes a folder of campaigns
     #[arg(long, default_value = "1", value_name = "SEEDS")]
     seed: Seeds,
-    /// One dominant effect; or a weak one, two, none, or (not on a leg) one that is in no catalogue; or a plain one or none
-    /// in a rough log (not on a leg)
+    /// How difficult the campaign is. A leg has no rough log, and hides no effect that is in no catalogue
     #[arg(long, value_enum, default_value = "easy")]
     level: Level,
     /// Duration of each run of a bench, s; 20 without it

@@ -146,7 +146,7 @@ fn screen(page: &mut Report, compared: &Compared, summary: &Summary, command: &s
         let follows: Vec<String> = strongest(&compared.tests)
             .into_iter()
             .take(SENTENCES)
-            .map(|t| format!("{} ({} of its square): {}.", capital(t.on), percent(t.explained), t.suggests))
+            .map(|t| format!("{} ({} of the squared residual): {}.", capital(t.on), percent(t.explained), t.suggests))
             .collect();
         let mut next = Vec::new();
         if !fits {

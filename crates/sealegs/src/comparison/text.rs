@@ -138,8 +138,13 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
     }
     for t in found {
         let detail = t.detail.as_ref().map_or_else(String::new, |d| format!(", {d}"));
-        let _ =
-            writeln!(out, "  {} ({:.0} % of its square{detail}): {}", t.on, 100.0 * t.explained, t.suggests);
+        let _ = writeln!(
+            out,
+            "  {} ({:.0} % of the squared residual{detail}): {}",
+            t.on,
+            100.0 * t.explained,
+            t.suggests
+        );
     }
     let mut first = true;
     for r in &compared.responses {

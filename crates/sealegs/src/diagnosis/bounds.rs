@@ -45,7 +45,7 @@ pub fn sentence(parameters: &[ParameterValue]) -> Option<String> {
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     (!said.is_empty()).then(|| {
         format!(
-            "State first what is known of the base model: its refit ended at a bound that no file states, {}{more}.",
+            "First state what you know of the base model. Its refit ended at a bound that no file states: {}{more}.",
             said.join(", ")
         )
     })

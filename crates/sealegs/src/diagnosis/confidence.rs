@@ -81,7 +81,7 @@ impl Outcome {
             .collect();
         (!better.is_empty()).then(|| {
             format!(
-                "The held-out runs are predicted better by {}: the curve follows what the fit runs alone show. Fit runs that are more \
+                "The held-out runs are predicted better by {}: the curve describes the fit runs only. Fit runs that are more \
                  like the held-out ones would decide.",
                 better.join(", ")
             )
@@ -111,7 +111,7 @@ impl Confidence {
                 match &o.law {
                     Some(law) => {
                         reasons.push(format!(
-                            "No known effect is named, as a curve explains the fit runs far better than any: {base} noise units on \
+                            "No effect is named because a curve explains the fit runs far better than any known one: {base} noise units on \
                              the held-out runs with the base model, {} with the curve.",
                             error(law.holdout_error)
                         ));
@@ -153,7 +153,7 @@ impl Confidence {
         reasons.extend(o.splits.as_ref().and_then(|splits| splits.reservation(&o.effects)));
         reasons.extend(off.iter().take(MOST).cloned());
         if off.len() > MOST {
-            reasons.push(format!("So do {} more parameters.", off.len() - MOST));
+            reasons.push(format!("{} more ended at a bound or far from nominal.", off.len() - MOST));
         }
         let intervals_conditional = o.verdict == OutcomeKind::PartlyExplained || stays || !off.is_empty();
         if !reasons.is_empty() {

@@ -66,7 +66,7 @@ impl Astray {
             false => format!("Within the {:.1} s of a run", self.longest_s),
         };
         format!(
-            "{within} the model goes astray: it leaves {:.0} % of what {} does.",
+            "{within} the model diverges: it leaves {:.0} % of {} unexplained.",
             100.0 * self.share,
             self.channel
         )
@@ -87,8 +87,8 @@ impl Astray {
     /// What was done about it.
     pub(super) fn cut(&self) -> String {
         format!(
-            "{} So its runs were cut into pieces of {:.1} s that each begin at the measured state, and all that is said holds for \
-             these. State `window_s = {:.1}` in the campaign for `compare` and `add` to do the same.",
+            "{} The runs were therefore cut into pieces of {:.1} s that each begin at the measured state; all results are for these \
+             pieces. Set `window_s = {:.1}` in the campaign to have `compare` and `add` do the same.",
             self.said(),
             self.piece_s,
             self.piece_s
@@ -100,8 +100,8 @@ impl Astray {
 pub(super) fn fitted(base: &Side, after: &Side) -> Option<String> {
     (after.fit_error > base.fit_error && after.holdout_error < base.holdout_error).then(|| {
         format!(
-            "The named model was fitted to short pieces of the runs, as its values then predict left-out runs best. In open loop \
-             the base model, fitted to whole runs, comes nearer to the fit runs ({:.0} noise units, the named one {:.0}).",
+            "The named model was fitted to short pieces of the runs, because its values then predict left-out runs best. In open \
+             loop the base model, fitted to whole runs, fits the fit runs better ({:.0} noise units, the named one {:.0}).",
             base.fit_error, after.fit_error
         )
     })

@@ -287,7 +287,7 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str, foremost: Op
             (Some(missing), _) => {
                 let (chart, mut caption) = (force::chart(missing), force::caption(missing, &o.effects));
                 if o.verdict == OutcomeKind::Adequate {
-                    caption.push_str(" No effect follows from it: without one the model predicts the held-out runs to their noise.");
+                    caption.push_str(" It calls for no effect: the base model predicts the held-out runs to their noise.");
                 }
                 page.side_by_side(&[(&ladder, rungs), (&chart, &caption)]);
             }

@@ -65,7 +65,7 @@ impl LawSaid {
         };
         let what = if self.beside.is_empty() { "what is missing" } else { "what stays" };
         format!(
-            "{what} acts at the {port}{place} and depends on {}: a curve takes {} of it on the held-out runs, to {:.2} noise units.",
+            "{what} acts at the {port}{place} and depends on {}: a curve explains {} of it on the held-out runs, down to {:.2} noise units.",
             self.depends_on,
             super::outcome::percent(self.explained),
             self.holdout_error

@@ -309,7 +309,7 @@ pub fn sensors(fit: &Fit) -> Vec<SensorValue> {
 fn rugged_note(names: &[String]) -> Option<String> {
     (!names.is_empty()).then(|| {
         format!(
-            "The error has many minima along {}: many values leave about as much, and the interval holds them all.",
+            "The error has many minima along {}: many values give about the same error, and the interval covers them all.",
             names.join(" and ")
         )
     })

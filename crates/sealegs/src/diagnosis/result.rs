@@ -95,9 +95,9 @@ fn diagnosed(mut campaign: Campaign, options: &Options) -> Result<Diagnosis> {
     let next = match &experiment {
         Some(e) => e.sentence.clone(),
         None if kind == VerdictKind::Unexplained => {
-            "No effect is named, so that there is nothing for an experiment to tell apart.".to_owned()
+            "No effect is named, so there is nothing for an experiment to tell apart.".to_owned()
         }
-        None => "There is nothing to tell apart, and so no experiment to propose.".to_owned(),
+        None => "There is nothing to tell apart, so no experiment is proposed.".to_owned(),
     };
     if matches!(kind, VerdictKind::Unexplained | VerdictKind::PartlyExplained) {
         campaign.notes.extend(not_tried(model.as_ref()));

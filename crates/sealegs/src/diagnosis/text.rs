@@ -190,7 +190,7 @@ pub(super) fn other_conventions(outcome: &Outcome) -> Vec<String> {
         .iter()
         .map(|other| {
             format!(
-                "With {} (a convention of the log that these runs leave open) everything is explained as well, with {}.",
+                "With {} (a convention of the log that these runs leave open) the model fits as well, with {}.",
                 list(&other.choices),
                 list(&other.parameters)
             )

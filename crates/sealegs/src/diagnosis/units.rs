@@ -178,7 +178,7 @@ impl Units {
     fn verdict(&self, asked: Asked) -> Option<String> {
         if asked == Asked::Unexplained {
             return Some(
-                "No effect that all units share explains them; diagnosed alone, each may show one of its own.".to_owned(),
+                "No effect shared by all units explains them. Diagnosed alone, each unit may show an effect of its own.".to_owned(),
             );
         }
         let not = self.names(Some(false));
@@ -186,7 +186,7 @@ impl Units {
             self.each.iter().filter(|u| u.holds.is_none()).map(|u| u.unit.as_str()).collect();
         let beside = match (silent.is_empty(), asked) {
             (false, Asked::Effects) => {
-                format!(" (nothing is missing on, or held out of, {})", silent.join(" and "))
+                format!(" (for {}, nothing is missing or no run is held out)", silent.join(" and "))
             }
             _ => String::new(),
         };

@@ -120,7 +120,7 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
     let mut out = format!("{} ({} bench, seed {})\n", answer.campaign, answer.bench, answer.seed);
     let _ = writeln!(out, "Hidden: {}.", list(&hidden));
     if answer.effects.iter().any(|e| !e.known) {
-        out.push_str("It is in no catalogue: that nothing known explains it is the right answer.\n");
+        out.push_str("It is in no catalogue: the right answer is that no known effect explains it.\n");
     }
     for effect in &answer.effects {
         if let Some(port) = &effect.port {
@@ -167,7 +167,7 @@ pub fn page(answer: &Answer, verdict: Option<&Verdict>) -> String {
                 (true, false) => "port right, dependence wrong",
                 _ => "wrong",
             };
-            let _ = writeln!(out, "As missing it says {said}: {verdict}.");
+            let _ = writeln!(out, "It locates {said}: {verdict}.");
         }
     }
     let side = verdict.map(|v| v.after.as_ref().unwrap_or(&v.base));

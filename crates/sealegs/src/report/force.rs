@@ -80,7 +80,7 @@ pub(crate) fn caption(force: &ForceSaid, effects: &[String]) -> String {
         }
         Some(_) => format!(" Blue: {named} at the same instants."),
         None if effects.is_empty() => " No law is drawn: none is named.".to_owned(),
-        None => format!(" No law is drawn: {named} is no law of {} at this port.", force.over),
+        None => format!(" No law is drawn: {named} is not a function of {} at this port.", force.over),
     };
     let constant = constant(force).map_or_else(String::new, |gap| {
         let (scale, unit) = multiple(gap, &force.unit);

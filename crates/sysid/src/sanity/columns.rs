@@ -37,7 +37,7 @@ fn echoes(campaign: &Campaign) -> Vec<Finding> {
             Severity::Stops,
             channel,
             format!("`{channel}` is `{}` times {}, and no measurement", least.2, short(least.1)),
-            "leave it out: it is what a controller was told, or made of that".to_owned(),
+            "leave it out: it is a command, or was computed from one".to_owned(),
         )
     };
     campaign.noise.iter().filter_map(echo).collect()

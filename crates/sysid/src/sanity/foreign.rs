@@ -13,8 +13,8 @@ pub(super) fn look(campaign: &Campaign, seen: &[Seen], near: &[f64]) -> Option<F
     let own: Vec<&Seen> = seen.iter().filter(commanded).collect();
     let channel = &campaign.runs[own.first()?.pair.run].record.inputs[0].channel;
     let cure = format!(
-        "find the column that was commanded in these runs and call it `{channel}`; if it is that one, look at what is stated of \
-         the load (mass_kg, length_m) and for an angle that wraps"
+        "find the column that was commanded in these runs and call it `{channel}`; if it is already that one, check the load \
+         (mass_kg, length_m) and look for an angle that wraps"
     );
     if own.iter().all(|s| !s.moves()) {
         // The model rests; so must the rig.

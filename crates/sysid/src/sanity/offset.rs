@@ -141,7 +141,7 @@ fn said(
     }
     let late = if lag > 0.0 { "after" } else { "before" };
     let evidence = format!(
-        "{} {} samples ({} ms) {late} {}: moved back it leaves {:.1} % of its motion to explain instead of {:.1} %, {}",
+        "{} {} samples ({} ms) {late} {}: realigned, {:.1} % of its motion is left unexplained instead of {:.1} %, {}",
         if command { "every sensor answers".to_owned() } else { format!("`{channel}` lies") },
         lag.abs(),
         short(1e3 * time_s),

@@ -38,7 +38,7 @@ pub(super) fn probable(channel: &str, slope: f64) -> Option<(f64, String)> {
     let near = |factor: f64| (slope.abs() / factor).ln().abs();
     let both = OTHERS.iter().filter(|o| o.of.contains(&unit)).flat_map(|o| {
         let inverse = format!(
-            "divided by {}, which is as of {} turned into {} twice",
+            "divided by {}, as if converted from {} to {} twice",
             short(o.per_si),
             o.name,
             unit.symbol()
