@@ -48,7 +48,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
         let line = row.position().map_or(1, |p| start.lines + line_of_record(body, p, start.comment));
         match &mut table {
             None => table = Some(Building::new(path, line, row.iter(), &start, bytes.len())?),
-            Some(table) => table.row(path, line, row.len(), row.iter())?,
+            Some(table) => table.row_or_rest(path, line, row.len(), row.iter())?,
         }
     }
     finish(path, table)
@@ -85,7 +85,7 @@ fn spaced(path: &Path, body: &[u8], start: &Start) -> Result<Log, LogError> {
         }
         match &mut table {
             None => table = Some(Building::new(path, number, cells(), start, body.len())?),
-            Some(table) => table.row(path, number, count, cells())?,
+            Some(table) => table.row_or_rest(path, number, count, cells())?,
         }
     }
     finish(path, table)
@@ -93,13 +93,14 @@ fn spaced(path: &Path, body: &[u8], start: &Start) -> Result<Log, LogError> {
 
 fn finish(path: &Path, table: Option<Building>) -> Result<Log, LogError> {
     let Some(table) = table else { return Err(LogError::whole(path, "is empty")) };
+    let notes = table.cut.map(|cut| format!("{cut}: the last line is cut off, and left out"));
     let table = Table {
         columns: table.columns,
         places: table.places,
         headerless: table.headerless,
         ..Table::default()
     };
-    Ok(Log { format: "CSV", tables: vec![table], ..Log::default() })
+    Ok(Log { format: "CSV", tables: vec![table], notes: notes.into_iter().collect(), ..Log::default() })
 }
 
 /// How a text begins.
@@ -152,6 +153,8 @@ struct Building {
     decimal_comma: bool,
     /// Whether the next row is the first one below a header.
     units_may_follow: bool,
+    /// A row with too few cells, which may be the last one of a log whose power went.
+    cut: Option<LogError>,
 }
 
 impl Building {
@@ -175,6 +178,7 @@ impl Building {
             budget: Budget::of_file(bytes),
             decimal_comma: start.separator != b',',
             units_may_follow: numbers == 0,
+            cut: None,
         };
         if numbers == 0 {
             for cell in first.clone() {
@@ -221,6 +225,29 @@ impl Building {
         }
         self.columns.push(Column::named(name));
         Ok(())
+    }
+
+    /// Takes a row; one with too few cells is an error once another one follows.
+    fn row_or_rest<'r>(
+        &mut self,
+        path: &Path,
+        line: u64,
+        count: usize,
+        cells: impl Iterator<Item = &'r [u8]> + Clone,
+    ) -> Result<(), LogError> {
+        if let Some(cut) = self.cut.take() {
+            return Err(cut);
+        }
+        // Some writers end every row with a separator.
+        let columns = self.columns.len();
+        let ended = count == columns + 1 && cells.clone().last().is_some_and(|c| c.trim_ascii().is_empty());
+        match self.row(path, line, if ended { columns } else { count }, cells) {
+            Err(error) if count < columns && !self.columns[0].values.is_empty() => {
+                self.cut = Some(error);
+                Ok(())
+            }
+            taken => taken,
+        }
     }
 
     fn row<'r>(
@@ -404,6 +431,16 @@ mod tests {
         // A cell that is no number is a fault of its row.
         let table = read("t,q\n0,x\n1,2\n").unwrap();
         assert!(table.rows() == 2 && table.columns[1].fault.is_some());
+    }
+
+    #[test]
+    fn rows_may_end_with_a_separator_and_the_last_one_may_be_cut_off() {
+        let table = read("t,q\n0,1,\n1,2,\n").unwrap();
+        assert_eq!((table.rows(), table.columns.len()), (2, 2));
+        let log = parse(Path::new("r.csv"), b"t,q,f\n0,1,2\n1,2,3\n2,2").unwrap();
+        assert_eq!(log.tables[0].rows(), 2);
+        assert!(log.notes[0].contains("line 4") && log.notes[0].contains("left out"), "{:?}", log.notes);
+        assert!(read("t,q,f\n0,1,2\n1,2\n2,2,3\n").unwrap_err().problem.contains("has 2 cells"));
     }
 
     #[test]

@@ -114,7 +114,11 @@ pub(super) fn plain(path: &Path, mut log: Log, said: Said) -> Result<Table, Erro
         _ => {}
     }
     check_length(path, table.rows())?;
-    Ok(sort(table.columns.into_iter().map(|c| (c.name.clone(), c.into_absolute())), said))
+    let mut sorted = sort(table.columns.into_iter().map(|c| (c.name.clone(), c.into_absolute())), said);
+    if Format::has_lines(path) {
+        sorted.notes = log.notes;
+    }
+    Ok(sorted)
 }
 
 /// The table of files whose columns are mapped, or of several files.
