@@ -170,6 +170,8 @@ fn richer_laws_become_the_simpler_ones_that_they_name() {
         };
         let mut own: Vec<f64> = card.parameters.iter().map(|p| p.value).collect();
         let simpler = base.effects(&seen(&base)).into_iter().find(|c| c.id == law.id).expect("a card");
+        let first = card.parameters.iter().zip(&simpler.parameters).all(|(a, b)| a.unit == b.unit);
+        assert!(first && simpler.parameters.len() < card.parameters.len(), "{}", card.id);
         let strength = predicted(law.id, vec![own[0]; simpler.parameters.len()]);
         if law.at == SimplerAt::Infinity {
             let apart = |own: &[f64]| -> f64 {

@@ -53,7 +53,7 @@ impl EffectCard {
     }
 }
 
-/// A law that another one contains.
+/// A law that another one contains. Its parameters are the richer law's first ones, in the same order and units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimplerLaw {
     /// The simpler effect's id without a place.

@@ -6,6 +6,7 @@ use super::policy::{
     DEAR_STEPS, FAR_FROM_KNOWN, FREED_ROUNDS, HALF_STEPS, NEAR_FLOOR, NOTHING_MORE, WORTH_SQUARED_NOISE,
 };
 use super::refine::{Models, finishing};
+use super::screen::Known;
 use super::search::Seen;
 use super::starts::{freed, with_nominal_base};
 use super::{Candidate, count, with_effects};
@@ -26,7 +27,10 @@ impl Models<'_> {
             self.dear && candidate.effects.is_empty() && candidate.fit.error() > NEAR_FLOOR * self.data.floor;
         let again = (self.dear && !rough).then(|| self.refitted_from_known(candidate)).flatten();
         let candidate = again.as_ref().unwrap_or(candidate);
-        let lower = (self.dear && !rough).then(|| self.lower_minimum(candidate)).flatten();
+        let (lower, reaches) = match self.dear && !rough {
+            true => self.along_profiles(candidate),
+            false => (None, Known::new()),
+        };
         let candidate = lower.as_ref().unwrap_or(candidate);
         let polish = || -> Result<Candidate, Error> {
             let last = self.remembering(self.last);
@@ -64,7 +68,11 @@ impl Models<'_> {
                 }
             }
             let fit = self.through_beginnings_at_last(candidate, model.as_ref(), fit);
-            let (model, fit) = if rough { (model, fit) } else { self.with_half_the_steps(model, fit) };
+            let (model, mut fit) = if rough { (model, fit) } else { self.with_half_the_steps(model, fit) };
+            for p in &mut fit.parameters {
+                let reach = reaches.iter().find(|(name, _)| *name == p.name);
+                p.std = reach.map_or(p.std, |(_, reach)| p.std.max(*reach));
+            }
             Ok(Candidate::exactly(self.data, candidate.effects.clone(), model, fit))
         };
         polish().unwrap_or_else(|_| candidate.clone())
@@ -84,6 +92,11 @@ impl Models<'_> {
         if start == set.fit.values {
             return None;
         }
+        self.finished_from(set, start)
+    }
+
+    /// A set fitted again from other values, if that leaves less.
+    pub(super) fn finished_from(&self, set: &Candidate, start: Vec<f64>) -> Option<Candidate> {
         // Derivatives are others there.
         let options = FitOptions { columns: None, ..finishing(self.options(set.model.as_ref(), start, set)) };
         let again = Candidate::fitted(self.data, set.effects.clone(), set.model.clone_box(), &options).ok();

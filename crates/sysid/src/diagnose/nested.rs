@@ -132,6 +132,17 @@ fn with_strength_of(parameters: &[Parameter], values: &[f64], richer: &str, simp
     Some(all().map(|(p, v)| (p.name.clone(), if takes(p) { v + strength } else { *v })).collect())
 }
 
+/// Values by name with those of a simpler law beside a richer law's own: its parameters mean what the richer one's first
+/// ones do, whatever they are called (see [`SimplerLaw`]).
+pub(super) fn as_simple(known: &Known, richer: &EffectCard, simple: &EffectCard) -> Known {
+    let taken = richer.parameters.iter().zip(&simple.parameters).filter_map(|(from, to)| {
+        let of = format!("{}.{}", richer.id, from.name);
+        let (_, value) = known.iter().find(|(name, _)| *name == of)?;
+        Some((format!("{}.{}", simple.id, to.name), *value))
+    });
+    known.iter().cloned().chain(taken).collect()
+}
+
 /// The id of the simpler law at the same place.
 pub(super) fn simpler_id(card: &EffectCard, law: &SimplerLaw) -> String {
     card.id.rsplit_once('/').map_or_else(|| law.id.to_owned(), |(place, _)| format!("{place}/{}", law.id))
@@ -139,8 +150,25 @@ pub(super) fn simpler_id(card: &EffectCard, law: &SimplerLaw) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::with_strength_of;
-    use sealegs_model::Parameter;
+    use super::{as_simple, with_strength_of};
+    use crate::toy::Toy;
+    use sealegs_model::{EffectCard, Excitation, Model, Parameter};
+
+    #[test]
+    fn a_simpler_law_takes_over_the_first_values_of_the_richer_one_by_their_place() {
+        let card = |id: &str, names: &[&str]| EffectCard {
+            id: id.to_owned(),
+            parameters: names.iter().map(|name| Parameter::new(*name, "N", 1.0, 0.0, 2.0)).collect(),
+            ..Toy::new().effects(&Excitation::default()).remove(0)
+        };
+        let (richer, simple) =
+            (card("knee/richer", &["sliding_n", "static_n"]), card("knee/simple", &["force_n"]));
+        let known = [("damping", 2.0), ("knee/richer.sliding_n", 0.2), ("knee/richer.static_n", 0.3)];
+        let known = known.map(|(name, value)| (name.to_owned(), value)).to_vec();
+        let taken = as_simple(&known, &richer, &simple);
+        assert_eq!(taken[..3], known);
+        assert_eq!(taken[3..], [("knee/simple.force_n".to_owned(), 0.2)]);
+    }
 
     #[test]
     fn a_richer_law_takes_over_the_strength_of_the_simple_one_and_nothing_else() {

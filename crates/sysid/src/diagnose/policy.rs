@@ -179,15 +179,26 @@ policy! {
     /// Standard deviations of what is known of a base parameter beyond which a last fit starts again there, where derivatives
     /// are dear: 95 %.
     FAR_FROM_KNOWN = 2.0;
-    /// Ratio of how far the error rises a standard deviation of what is known of a base parameter away, to what its curvature
-    /// says, below which it may have other minima along that: half a period of ringing away it falls again.
-    BENDS = 0.8;
-    /// Share of the base parameters along which it bends beyond which it is rugged everywhere.
-    MOST_BEND = 0.5;
-    /// Other minima that a last fit starts from: the lowest ones.
-    OTHER_MINIMA = 2.0;
-    /// Times that it does: springs of one joint ring together, so that each shows where the other one is better.
-    OTHER_MINIMA_ROUNDS = 3.0;
+    /// Standard error of a parameter over its stated standard deviation from which on a last fit looks along its profile:
+    /// data that say ten times as much as what was stated have found the value.
+    HARDLY_KNOWN = 0.1;
+    /// Times that a last fit goes on from the lowest place of such profiles: each leads to where another one is lower.
+    PROFILE_ROUNDS = 2.0;
+    /// Distance of the places of a profile, in standard errors: the error of a value that is known as well as its curvature
+    /// says is four times that of a standard error there.
+    PROFILE_STEP = 2.0;
+    /// The widest distance, in stated standard deviations: ten places over what is known.
+    PROFILE_WIDEST = 0.5;
+    /// How far a profile leads from the nominal value, in the same: 99 %.
+    PROFILE_TO = 2.5;
+    /// Places of a profile to either side: as far as twenty standard errors.
+    PROFILE_PLACES = 10.0;
+    /// Cost over the lowest beyond which a profile ends: that of the third place where a value is known as well as its curvature
+    /// says.
+    PROFILE_HEIGHT = 10.0;
+    /// How far another one's profile must have led a value, in standard errors, for it to need none of its own: as far as
+    /// its own would have.
+    FOLLOWED = 4.0;
     /// Most steps of a last fit with half the integrator's steps: the first corrects the values, the second that.
     HALF_STEPS = 3.0;
     /// Most steps of a fit of the beginnings of the runs: it leads to the neighbourhood of the solution.

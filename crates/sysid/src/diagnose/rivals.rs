@@ -4,7 +4,7 @@ use super::Candidate;
 use super::candidate::symbol;
 use super::compare::{clearly_better, gain, is_seen};
 use super::exchange::all_but;
-use super::nested::simpler_id;
+use super::nested::{as_simple, simpler_id};
 use super::policy::{NEAR_FLOOR, TIED_COST};
 use super::screen::Known;
 use super::search::Search;
@@ -129,12 +129,14 @@ impl Search<'_> {
         let (floor, effects) = (self.models.data.floor, self.tried[chosen].effects.clone());
         let cards = self.models.exact.effects(&self.models.seen);
         for effect in &effects {
-            let card = cards.iter().find(|c| c.id == *effect);
-            let Some(simple) = card.and_then(|c| Some(simpler_id(c, c.becomes.as_ref()?))) else { continue };
+            let of = |id: &String| cards.iter().find(|c| c.id == *id);
+            let Some(richer) = of(effect) else { continue };
+            let Some(simple) = richer.becomes.as_ref().map(|law| simpler_id(richer, law)) else { continue };
             if effects.contains(&simple) || !self.admitted.contains(&simple) {
                 continue;
             }
-            let known = renamed(&self.tried[chosen].known(), effect, &simple);
+            let Some(card) = of(&simple) else { continue };
+            let known = as_simple(&self.tried[chosen].known(), richer, card);
             let rest = Candidate { effects: all_but(&effects, effect), ..self.tried[chosen].clone() };
             let set = self.set_with(&rest, std::slice::from_ref(&simple));
             let Some(fitted) = self.models.fitted(&self.tried[chosen], &set, &known, None) else { continue };

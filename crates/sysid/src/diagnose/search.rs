@@ -5,7 +5,8 @@ use super::compare::{clearly_better, excess, is_beyond_chance};
 use super::fits::has_two_magnitudes;
 use super::policy::{
     AT_FLOOR, DRIFTS, EXCHANGES, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, OPEN_LOOP,
-    OPEN_LOOP_WORTH, PAIR, PROMISES_MOST, SCATTERED, STARTS, STARTS_DEAR, STEP_SHARE, WORTH_NAMING,
+    OPEN_LOOP_WORTH, PAIR, PROMISES_MOST, SCATTERED, SEEN_TOGETHER, STARTS, STARTS_DEAR, STEP_SHARE,
+    WORTH_NAMING,
 };
 use super::refine::Models;
 use super::screen::{Known, Plan, Promise, Screened, addable, screen};
@@ -130,7 +131,7 @@ impl Search<'_> {
             if size >= most {
                 return (best, Ended::AtMost);
             }
-            if size >= PAIR as usize && self.is_long() {
+            if size >= SEEN_TOGETHER as usize && self.is_long() {
                 break;
             }
             // What is less than the contract's share of the base model's error is a trace: it is looked at once.

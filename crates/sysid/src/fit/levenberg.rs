@@ -2,9 +2,9 @@
 
 use super::coordinates::Coordinates;
 use super::jacobian::{self, Difference, Directions, JacobianBlock};
-use super::steps::{Proposal, along_valleys, proposal};
+use super::steps::{Proposal, along_flattest, proposal};
 use super::uncertainty::AT_THE_FLOOR;
-use super::{FitOptions, KnownColumns, bend, secant};
+use super::{FitOptions, KnownColumns, geodesic, secant};
 use crate::Error;
 use crate::data::{Data, Evaluation};
 use crate::stats;
@@ -23,7 +23,7 @@ pub(super) struct Search {
     pub steps: usize,
     pub converged: bool,
     damping: f64,
-    /// Forward far away; central once steps no longer keep their promise, as in a flat valley a forward
+    /// Forward far away; central once steps no longer keep their promise, as along a flat direction a forward
     /// difference's error is larger than the slope.
     difference: Difference,
     /// Whether forward differences will do where the model is far from the measurements.
@@ -262,7 +262,7 @@ impl Search {
                 Proposal::Stuck => break,
             };
             if promised < enough {
-                // In a valley that only a prior closes it is the damping that promises so little.
+                // Along a direction that only priors tell anything of it is the damping that promises so little.
                 if refused == 0 && self.damping > LEAST_DAMPING {
                     self.damping = (self.damping * 1e-3).max(LEAST_DAMPING);
                     continue;
@@ -271,18 +271,18 @@ impl Search {
             }
             let taken = self.taken;
             let straight = self.visit(data, model, coordinates, moved);
-            let bent = straight
+            let accelerated = straight
                 .as_ref()
                 .filter(|place| self.cost - place.cost < 0.5 * promised)
-                .and_then(|place| self.bent(data, model, coordinates, place, (a, self.damping)));
+                .and_then(|place| self.accelerated(data, model, coordinates, place, (a, self.damping)));
             if let Some(gained) =
-                lower(straight, bent).and_then(|place| self.accept(data, coordinates, place, enough))
+                lower(straight, accelerated).and_then(|place| self.accept(data, coordinates, place, enough))
             {
                 if promised < SMALL * self.evaluation.rms.powi(2).max(1.0) {
                     self.taken = taken;
                 }
-                // A step that kept its promise deserves more trust. Valleys that only a prior closes are
-                // a million times flatter than their walls: damping must be able to vanish.
+                // A step that kept its promise deserves more trust. Directions that only priors tell anything of
+                // are a million times flatter than others: damping must be able to vanish.
                 let (kept, rough) = (gained / promised, self.is_rough());
                 match &mut self.thrift {
                     Some(thrift) => {
@@ -306,7 +306,7 @@ impl Search {
             self.damping = (self.damping * 30.0).max(1e-10);
         }
         if self.difference == Difference::Central {
-            for (moved, promised) in along_valleys(coordinates, &self.u, (a, g)) {
+            for (moved, promised) in along_flattest(coordinates, &self.u, (a, g)) {
                 let place =
                     (promised >= enough).then(|| self.visit(data, model, coordinates, moved)).flatten();
                 if place.and_then(|place| self.accept(data, coordinates, place, enough)).is_some() {
@@ -339,8 +339,8 @@ impl Search {
         cost.is_finite().then_some(Place { u, evaluation, cost })
     }
 
-    /// Where the bent step leads that goes with a straight one, if the columns are those of here.
-    fn bent(
+    /// Where the accelerated step leads that goes with a straight one, if the columns are those of here.
+    fn accelerated(
         &self,
         data: &Data,
         model: &dyn Model,
@@ -350,8 +350,8 @@ impl Search {
     ) -> Option<Place> {
         let (_, columns) = self.last.as_ref().filter(|_| self.thrift.is_none())?;
         let (from, to) = ((&self.u[..], &self.evaluation), (&straight.u[..], &straight.evaluation));
-        let bent = bend::bent(coordinates, from, to, columns, curvature)?;
-        self.visit(data, model, coordinates, bent)
+        let end = geodesic::accelerated(coordinates, from, to, columns, curvature)?;
+        self.visit(data, model, coordinates, end)
     }
 
     /// Goes there if the cost falls, and returns by how much; by less than `enough`, the search has converged.

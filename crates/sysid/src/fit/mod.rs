@@ -14,8 +14,8 @@
 //!
 //! Standard errors are explained in [`FittedParameter::std`].
 
-mod bend;
 mod coordinates;
+mod geodesic;
 mod jacobian;
 mod levenberg;
 mod rescale;
@@ -120,7 +120,7 @@ pub struct FittedParameter {
     /// Where the residual is at the noise floor this is the usual `(J'J + priors)^-1`. Where the model is
     /// wrong the residual is neither white nor small, and that would be far too narrow: then the spread of
     /// the score `J'r` between stretches of the runs is used in the middle (a sandwich estimate, each
-    /// stretch longer than the residual's memory). It describes how far the values would wander on other
+    /// stretch longer than the residual's memory). It describes how far apart the values would be on other
     /// data of this kind under the same wrong model, not the distance from the true value.
     pub std: f64,
     /// On which bound it ended, if on one.

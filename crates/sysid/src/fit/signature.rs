@@ -51,7 +51,7 @@ impl Signatures {
         let projected = jacobian::projected(data, at, &raw);
         let (bare, gradient) = jacobian::normal(&projected, &raw, at);
         let diagonal = DVector::from_fn(changed.len(), |i, _| bare[(i, i)]);
-        // A parameter that a bound holds back takes no part of a signature: it can neither follow nor make room.
+        // A parameter that a bound holds back takes no part of a signature: it cannot move to follow it.
         let held = |k: &usize| fit.parameters[fit.free[*k]].at_bound.is_some();
         let moving: Vec<usize> = (0..fit.free.len()).filter(|k| !held(k)).collect();
         let mut shared = DMatrix::<f64>::zeros(moving.len(), changed.len());

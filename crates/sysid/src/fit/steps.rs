@@ -4,7 +4,7 @@ use super::coordinates::{Bound, Coordinates};
 use nalgebra::{DMatrix, DVector};
 
 /// Most of the flattest directions that are tried together.
-const VALLEYS: usize = 5;
+const FLATTEST: usize = 5;
 
 /// What the normal equations propose.
 pub(super) enum Proposal {
@@ -68,9 +68,9 @@ fn outward(coordinates: &Coordinates, k: usize, u: f64, direction: f64) -> bool 
 }
 
 /// Where steps lead along the flattest directions alone, one, then two of them, and so on, each with what it promises: where
-/// the walls of a valley are rough (friction that sticks and slips), every step that also touches the walls fails, and a search
-/// would rest wherever it entered the valley.
-pub(super) fn along_valleys(
+/// the error is rough across them (friction that sticks and slips), every step that also leads across fails, and a search
+/// would rest wherever it came upon them.
+pub(super) fn along_flattest(
     coordinates: &Coordinates,
     u: &[f64],
     (a, g): (&DMatrix<f64>, &DVector<f64>),
@@ -89,7 +89,7 @@ pub(super) fn along_valleys(
     let slope = DVector::from_fn(n, |i, _| g[moving[i]] / scale[i]);
     let mut step = DVector::<f64>::zeros(n);
     let mut steps = Vec::new();
-    for &j in order.iter().take(VALLEYS.min(n - 1)) {
+    for &j in order.iter().take(FLATTEST.min(n - 1)) {
         let direction = eigen.eigenvectors.column(j);
         step -= direction * (direction.dot(&slope) / eigen.eigenvalues[j]);
         let mut moved = u.to_vec();
@@ -116,7 +116,7 @@ mod tests {
         let a = DMatrix::from_row_slice(3, 3, &[1.01, 0.99, 0.0, 0.99, 1.01, 0.0, 0.0, 0.0, 1.0]);
         let to = DVector::from_vec(vec![2.0, -1.0, 3.0]);
         let g = -(&a * &to);
-        let steps = along_valleys(&coordinates, &[0.0; 3], (&a, &g));
+        let steps = along_flattest(&coordinates, &[0.0; 3], (&a, &g));
         let [(flattest, little), (two, more)] = &steps[..] else { panic!("{}", steps.len()) };
         assert!((flattest[0] - 1.5).abs() < 1e-9 && (flattest[1] + 1.5).abs() < 1e-9, "{flattest:?}");
         assert!(flattest[2].abs() < 1e-9 && (two[2] - 3.0).abs() < 1e-9, "{two:?}");

@@ -87,8 +87,8 @@ fn a_tight_prior_outweighs_the_data_and_a_loose_one_does_not() {
 }
 
 #[test]
-fn a_valley_that_only_priors_close_is_followed_from_where_its_floor_is_entered() {
-    // Mass, damping and stiffness in proportion are a gain of the deflection's sensor; with so little noise the walls are
+fn a_direction_that_only_priors_tell_anything_of_is_followed_to_its_minimum() {
+    // Mass, damping and stiffness in proportion are a gain of the deflection's sensor; with so little noise other directions are
     // millions of times steeper than the priors.
     let noise = (2e-4, 1e-6);
     let records = (0..2).map(|seed| (Role::Fit, run(&TRUTH, 800, seed, noise, (1.0, 0.0), 1.0))).collect();

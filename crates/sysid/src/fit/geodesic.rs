@@ -1,10 +1,10 @@
-//! Steps that follow a valley's bend: a second-order correction, at the price of one simulation.
+//! Geodesic acceleration: a step's second-order correction, at the price of one simulation.
 //!
-//! Where two parameters do nearly the same (a spring and a compliance in series with it), the error has a long
-//! valley that bends. A straight step along it ends on the wall, damping shortens it until the wall is not
-//! reached, and the search creeps. What the straight step's prediction missed tells the bend: half the second
-//! directional derivative. The damped equations, solved for that in place of the residual, lead back to the floor
-//! (geodesic acceleration: Transtrum and Sethna 2012, arXiv:1201.5885).
+//! Where two parameters do nearly the same (a spring and a compliance in series with it), values that leave the same error lie on
+//! a curve. A straight step along it ends where the error is higher, damping shortens it until it is not, and the search takes
+//! hundreds of steps. What the straight step's prediction missed tells the curvature: half the second directional
+//! derivative. The damped equations, solved for that in place of the residual, lead back to the curve (Transtrum and
+//! Sethna 2012, arXiv:1201.5885).
 
 use super::coordinates::Coordinates;
 use super::jacobian::{JacobianBlock, dot};
@@ -15,12 +15,12 @@ use nalgebra::{DMatrix, DVector};
 /// nothing either.
 const LONGEST: f64 = 0.4;
 
-/// Where the bent step ends that goes with a straight one from `u` to `to`; `None` where the correction would not be
+/// Where the accelerated step ends that goes with a straight one from `u` to `to`; `None` where the correction would not be
 /// small beside the step.
 ///
 /// `columns` are the projected derivatives at `u`, `a` the curvature there with its priors, `here` and `there` the
 /// residuals at both ends.
-pub(super) fn bent(
+pub(super) fn accelerated(
     coordinates: &Coordinates,
     (u, here): (&[f64], &Evaluation),
     (to, there): (&[f64], &Evaluation),
@@ -53,11 +53,11 @@ pub(super) fn bent(
     if !short.is_finite() || short > LONGEST * long {
         return None;
     }
-    let mut bent = to.to_vec();
+    let mut end = to.to_vec();
     for (i, &k) in moving.iter().enumerate() {
-        bent[k] = coordinates.coordinate(k, coordinates.value(k, to[k] + correction[i]));
+        end[k] = coordinates.coordinate(k, coordinates.value(k, to[k] + correction[i]));
     }
-    Some(bent)
+    Some(end)
 }
 
 #[cfg(test)]
@@ -66,7 +66,7 @@ mod tests {
     use crate::data::Block;
     use sealegs_model::Parameter;
 
-    /// Rosenbrock's valley as residuals, `10 (y - x^2)` and `1 - x`.
+    /// Rosenbrock's function as residuals, `10 (y - x^2)` and `1 - x`.
     fn evaluation(u: &[f64]) -> Evaluation {
         let residual = vec![10.0 * (u[1] - u[0] * u[0]), 1.0 - u[0]];
         let cost = 0.5 * dot(&residual, &residual);
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn analytic_a_bent_step_ends_on_the_floor_of_the_valley() {
+    fn analytic_an_accelerated_step_ends_where_the_error_is_lowest_across() {
         let mut parameters =
             [Parameter::new("x", "", 1.0, -9.0, 9.0), Parameter::new("y", "", 1.0, -9.0, 9.0)];
         parameters.iter_mut().for_each(|p| p.typical = 1.0);
@@ -91,15 +91,19 @@ mod tests {
         let columns = vec![vec![-20.0 * u[0], -1.0], vec![10.0, 0.0]];
         let a = DMatrix::from_fn(2, 2, |i, j| dot(&columns[i], &columns[j]));
         let block = JacobianBlock { run: 0, channel: 0, columns };
-        // Along the valley's tangent to x = 1, where its floor, and the minimum, is at y = 1.
+        // Along the tangent of y = x^2, where the error is lowest across, to x = 1: there that, and the minimum, is at y = 1.
         let to = [1.0, 0.64 + 2.0 * 0.8 * 0.2];
         let (here, there) = (evaluation(&u), evaluation(&to));
-        assert!(there.cost > 0.9 * here.cost, "the straight step ends on the wall");
-        let end = bent(&coordinates, (&u, &here), (&to, &there), std::slice::from_ref(&block), (&a, 0.0))
-            .expect("a small correction");
+        assert!(there.cost > 0.9 * here.cost, "the straight step gains little");
+        let end =
+            accelerated(&coordinates, (&u, &here), (&to, &there), std::slice::from_ref(&block), (&a, 0.0))
+                .expect("a small correction");
         assert!((end[0] - 1.0).abs() < 1e-9 && (end[1] - 1.0).abs() < 1e-9, "{end:?}");
         // Eleven times as far the second order is no longer small beside the step.
         let far = [3.0, 0.64 + 2.0 * 0.8 * 2.2];
-        assert_eq!(bent(&coordinates, (&u, &here), (&far, &evaluation(&far)), &[block], (&a, 0.0)), None);
+        assert_eq!(
+            accelerated(&coordinates, (&u, &here), (&far, &evaluation(&far)), &[block], (&a, 0.0)),
+            None
+        );
     }
 }
