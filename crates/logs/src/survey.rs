@@ -1,5 +1,7 @@
 //! What is in a log: rates, gaps, ranges, dead columns, and what each column probably is.
 
+use crate::columns::unwrapped;
+use crate::join::counter;
 use crate::moment::{DATES, TIMES};
 use crate::parquet_table::STAMPS;
 use crate::table::{Column, Log, Table};
@@ -34,6 +36,8 @@ pub struct ClockSurvey {
     pub unit: &'static str,
     /// Why it is taken for time, and why in this unit.
     pub reason: String,
+    /// After how many of its units the counter begins again, if it does.
+    pub wrap: Option<f64>,
     /// First to last stamp, s.
     pub duration_s: f64,
     /// Rate by the median step, Hz.
@@ -102,7 +106,10 @@ fn of_table(table: &Table, joints: &[(String, String)]) -> TableSurvey {
     let mut columns: Vec<ColumnSurvey> = table.columns.iter().map(|c| of_column(table, c)).collect();
     guess::roles(table, clock.as_ref().map(|c| c.column), joints, &mut columns);
     if let Some(clock) = &clock {
-        let settings = (clock.unit != "s").then(|| format!("unit = \"{}\"", clock.unit));
+        let unit = (clock.unit != "s").then(|| format!("unit = \"{}\"", clock.unit));
+        let wrap = clock.wrap.map(|period| format!("wrap = {period:.1}"));
+        let settings: Vec<String> = unit.into_iter().chain(wrap).collect();
+        let settings = (!settings.is_empty()).then(|| settings.join(", "));
         columns[clock.column].role =
             Some(Role { target: "time_s".to_owned(), settings, reason: clock.reason.clone() });
     }
@@ -146,7 +153,12 @@ fn of_clock(table: &Table) -> Option<ClockSurvey> {
         }
     };
     let column = &table.columns[index];
-    let steps: Vec<f64> = column.values.windows(2).map(|w| w[1] - w[0]).filter(|s| s.is_finite()).collect();
+    let wrap = column.values.windows(2).find_map(|w| counter(w[1], w[0])).map(|(_, period)| period);
+    let values = match wrap {
+        Some(period) => &unwrapped(&column.values, period),
+        None => &column.values,
+    };
+    let steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).filter(|s| s.is_finite()).collect();
     let mut sorted: Vec<f64> = steps.iter().copied().filter(|&s| s > 0.0).collect();
     if sorted.is_empty() {
         return None;
@@ -170,17 +182,18 @@ fn of_clock(table: &Table) -> Option<ClockSurvey> {
             count += 1.0;
         }
     }
-    let last = column.values[column.values.len() - 1];
+    let last = values[values.len() - 1];
     Some(ClockSurvey {
         column: index,
         unit,
         reason: format!("{reason}; {why}"),
-        duration_s: (last - column.values[0]) * factor,
+        wrap,
+        duration_s: (last - values[0]) * factor,
         rate_hz: 1.0 / (period * factor),
         jitter: (sum / count.max(1.0)).sqrt() / period,
         gaps,
         longest_s: sorted[sorted.len() - 1] * factor,
-        stands: column.values.windows(2).position(|w| w[1] <= w[0]).map(|row| table.places.of(row + 1)),
+        stands: values.windows(2).position(|w| w[1] <= w[0]).map(|row| table.places.of(row + 1)),
     })
 }
 

@@ -305,6 +305,22 @@ mod tests {
     }
 
     #[test]
+    fn a_time_counter_that_begins_again_goes_on() {
+        let period = 4_294_967_296.0;
+        let stamps = (0..40).map(|r| (period - 100.0 + 5.0 * f64::from(r)) % period).collect();
+        let columns = vec![
+            crate::table::Column::of("time_ms", stamps),
+            crate::table::Column::of("position", (0..40).map(|r| f64::from(r).sin()).collect()),
+        ];
+        let log = Log { tables: vec![Table { columns, ..Table::default() }], ..Log::default() };
+        let found = survey(&log).tables.remove(0);
+        let clock = found.clock.expect("a clock");
+        assert!((clock.duration_s - 0.195).abs() < 1e-9 && clock.stands.is_none(), "{clock:?}");
+        let role = found.columns[0].role.as_ref().expect("time");
+        assert_eq!(role.settings.as_deref(), Some("unit = \"ms\", wrap = 4294967296.0"));
+    }
+
+    #[test]
     fn units_and_counts_are_settings() {
         let table = |name: &str, value: fn(usize) -> f64| {
             let column = |name: &str, value: &dyn Fn(usize) -> f64| {

@@ -120,12 +120,16 @@ const COUNTERS: [(&str, f64); 4] = [
 /// Share of its period within which a counter falls where it begins again: a row may come that late.
 const NEAR_COUNTER: f64 = 0.02;
 
+/// The counter of time that begins again between two stamps, and after how many of its units.
+pub(crate) fn counter(stamp: f64, before: f64) -> Option<(&'static str, f64)> {
+    let fallen = before - stamp;
+    COUNTERS.iter().copied().find(|(_, period)| (fallen / period - 1.0).abs() < NEAR_COUNTER)
+}
+
 /// What is wrong with a time stamp that does not come after the one before, and what to do.
 #[must_use]
 pub fn time_fault(stamp: f64, before: f64) -> (String, String) {
-    let fallen = before - stamp;
-    let counter = COUNTERS.iter().find(|(_, period)| (fallen / period - 1.0).abs() < NEAR_COUNTER);
-    let (what, cure) = match counter {
+    let (what, cure) = match counter(stamp, before) {
         _ if stamp == before => {
             ("repeats", "delete such rows, or leave the column out and state sample_rate_hz".to_owned())
         }

@@ -10,6 +10,7 @@ mod resolve;
 use crate::columns::ColumnMap;
 use crate::table::{Column, Log, Table};
 use crate::{LogError, Places};
+pub(crate) use clock::counter;
 pub use clock::time_fault;
 use clock::{clock, gap, resampled};
 use resolve::{keep_episode, resolve};

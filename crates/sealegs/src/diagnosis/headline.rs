@@ -283,23 +283,27 @@ pub(super) fn screen(page: &mut Report, o: &Outcome, command: &str, foremost: Op
         page.answer(tone, &answer);
         let ladder = ladder(o);
         let rungs = "Root mean square residual over the noise of each channel; the held-out runs took no part in the search.";
-        match (&o.missing_force, foremost) {
+        // Where nothing is missing, what noise depends on is no answer.
+        let adequate = o.verdict == OutcomeKind::Adequate;
+        match (o.missing_force.as_ref().filter(|_| !adequate), foremost) {
             (Some(missing), _) => {
-                let (chart, mut caption) = (force::chart(missing), force::caption(missing, &o.effects));
-                if o.verdict == OutcomeKind::Adequate {
-                    caption.push_str(" It calls for no effect: the base model predicts the held-out runs to their noise.");
-                }
+                let (chart, caption) = (force::chart(missing), force::caption(missing, &o.effects));
                 page.side_by_side(&[(&ladder, rungs), (&chart, &caption)]);
             }
             (None, Some(chart)) => {
-                let measured = "Measured, and the model before and after, in the channel that improved most, of those at the \
-                                effect's place if one did; above it its error in noise units.";
+                let measured = "Measured, and the model before and after, in the channel that improved most (at the effect's \
+                                place, if one improved there). Its error in noise units is above it.";
                 page.side_by_side(&[(&ladder, rungs), (chart, measured)]);
             }
             (None, None) => {
                 page.side_by_side(&[(&ladder, rungs)]);
-                page.remark("No missing force is drawn: the runs measure no motion that an observer could follow, or what is missing depends on \
-                     none of the signals that were tried.");
+                page.remark(match adequate {
+                    true => "No missing force is drawn: the model predicts the held-out runs to their noise.",
+                    false => {
+                        "No missing force is drawn: the runs measure no motion that an observer could follow, or what is missing depends on \
+                         none of the signals that were tried."
+                    }
+                });
             }
         }
         let mut cards = vec![("Judged on", judged(o))];
