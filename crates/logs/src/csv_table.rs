@@ -48,7 +48,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
         let line = row.position().map_or(1, |p| start.lines + line_of_record(body, p, start.comment));
         match &mut table {
             None => table = Some(Building::new(path, line, row.iter(), &start, bytes.len())?),
-            Some(table) => table.row_or_rest(path, line, row.len(), row.iter())?,
+            Some(table) => table.row(path, line, row.len(), row.iter())?,
         }
     }
     finish(path, table)
@@ -85,7 +85,7 @@ fn spaced(path: &Path, body: &[u8], start: &Start) -> Result<Log, LogError> {
         }
         match &mut table {
             None => table = Some(Building::new(path, number, cells(), start, body.len())?),
-            Some(table) => table.row_or_rest(path, number, count, cells())?,
+            Some(table) => table.row(path, number, count, cells())?,
         }
     }
     finish(path, table)
@@ -167,7 +167,8 @@ impl Building {
         bytes: usize,
     ) -> Result<Self, LogError> {
         let cells = first.clone().count();
-        let numbers = first.clone().filter(|cell| number(cell, start.separator != b',').is_ok()).count();
+        let decimal_comma = start.separator != b',';
+        let numbers = first.clone().filter(|cell| number(cell, decimal_comma).is_ok()).count();
         if numbers > 0 && numbers < cells {
             return Err(LogError::new(path, line, None, NO_HEADER));
         }
@@ -176,7 +177,7 @@ impl Building {
             places: Places::lines(),
             headerless: false,
             budget: Budget::of_file(bytes),
-            decimal_comma: start.separator != b',',
+            decimal_comma,
             units_may_follow: numbers == 0,
             cut: None,
         };
@@ -228,7 +229,7 @@ impl Building {
     }
 
     /// Takes a row; one with too few cells is an error once another one follows.
-    fn row_or_rest<'r>(
+    fn row<'r>(
         &mut self,
         path: &Path,
         line: u64,
@@ -238,35 +239,24 @@ impl Building {
         if let Some(cut) = self.cut.take() {
             return Err(cut);
         }
+        let (columns, begun) = (self.columns.len(), !self.columns[0].values.is_empty());
         // Some writers end every row with a separator.
-        let columns = self.columns.len();
         let ended = count == columns + 1 && cells.clone().last().is_some_and(|c| c.trim_ascii().is_empty());
-        match self.row(path, line, if ended { columns } else { count }, cells) {
-            Err(error) if count < columns && !self.columns[0].values.is_empty() => {
-                self.cut = Some(error);
-                Ok(())
-            }
-            taken => taken,
-        }
-    }
-
-    fn row<'r>(
-        &mut self,
-        path: &Path,
-        line: u64,
-        count: usize,
-        cells: impl Iterator<Item = &'r [u8]> + Clone,
-    ) -> Result<(), LogError> {
-        if count != self.columns.len() {
+        if count != columns && !ended {
             let missing = self.columns.get(count).map(|c| c.name.as_str());
-            let cure = match self.columns[0].values.is_empty() {
-                true => "; where lines stand above the columns' names, delete them or begin them with #",
-                false => "",
+            let cure = match begun {
+                true => "",
+                false => "; where lines stand above the columns' names, delete them or begin them with #",
             };
-            let problem = format!("has {count} cells, the header {} columns{cure}", self.columns.len());
-            return Err(LogError::new(path, line, missing, problem));
+            let problem = format!("has {count} cells, the header {columns} columns{cure}");
+            let error = LogError::new(path, line, missing, problem);
+            if count > columns || !begun {
+                return Err(error);
+            }
+            self.cut = Some(error);
+            return Ok(());
         }
-        self.budget.take(count).map_err(|problem| LogError::whole(path, problem))?;
+        self.budget.take(columns).map_err(|problem| LogError::whole(path, problem))?;
         if std::mem::take(&mut self.units_may_follow) && self.are_units(cells.clone()) {
             for (column, cell) in self.columns.iter_mut().zip(cells) {
                 let unit = String::from_utf8_lossy(cell.trim_ascii()).into_owned();

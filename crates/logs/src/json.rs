@@ -23,16 +23,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
         return Err(LogError::whole(path, "is empty"));
     }
     let mut found = Found { budget: Some(Budget::of_file(bytes.len())), ..Found::default() };
-    let said = |e: &serde_json::Error| {
-        let said = e.to_string();
-        let said = said.split(" at line ").next().unwrap_or_default().to_owned();
-        LogError::new(
-            path,
-            e.line() as u64,
-            None,
-            format!("is no readable JSON: {said}{}", of_numbers(bytes)),
-        )
-    };
+    let said = |e: &serde_json::Error| LogError::new(path, e.line() as u64, None, unreadable(e, bytes));
     let mut text = serde_json::Deserializer::from_slice(bytes);
     Outside { found: &mut found, path: String::new() }.deserialize(&mut text).map_err(|e| said(&e))?;
     if let Err(error) = text.end() {
@@ -67,24 +58,22 @@ fn lines(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
     Ok(log)
 }
 
-/// What Python writes for numbers that JSON has not, behind a message.
-fn of_numbers(text: &[u8]) -> &'static str {
+/// What is wrong with a text that is no JSON, without its place; Python writes numbers that JSON has not.
+fn unreadable(error: &serde_json::Error, text: &[u8]) -> String {
     let has = |word: &[u8]| text.windows(word.len()).any(|w| w == word);
-    if has(b"NaN") || has(b"Infinity") { "; NaN and Infinity are no JSON: write null" } else { "" }
+    let cure =
+        if has(b"NaN") || has(b"Infinity") { "; NaN and Infinity are no JSON: write null" } else { "" };
+    let said = error.to_string();
+    format!("is no readable JSON: {}{cure}", said.split(" at line ").next().unwrap_or_default())
 }
 
 /// Puts one JSON object into a row.
 pub(crate) fn entry(text: &[u8], rows: &mut Rows, budget: &mut Budget) -> Result<(), String> {
-    let said = |e: &serde_json::Error| {
-        let said = e.to_string();
-        let said = said.split(" at line ").next().unwrap_or_default();
-        format!("is no readable JSON: {said}{}", of_numbers(text))
-    };
     let mut deserializer = serde_json::Deserializer::from_slice(text);
     Inside { rows: &mut *rows, budget: &mut *budget, path: &mut String::new() }
         .deserialize(&mut deserializer)
-        .map_err(|e| said(&e))?;
-    deserializer.end().map_err(|e| said(&e))?;
+        .map_err(|e| unreadable(&e, text))?;
+    deserializer.end().map_err(|e| unreadable(&e, text))?;
     rows.end_row(budget)
 }
 

@@ -5,7 +5,8 @@ use crate::join::counter;
 use crate::moment::{DATES, TIMES};
 use crate::parquet_table::STAMPS;
 use crate::table::{Column, Log, Table};
-use crate::{Place, guess};
+use crate::{Place, guess, units};
+use sealegs_model::Unit;
 
 /// What is in a log.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +51,18 @@ pub struct ClockSurvey {
     pub longest_s: f64,
     /// Where time does not go on for the first time.
     pub stands: Option<Place>,
+}
+
+impl ClockSurvey {
+    /// Seconds that one of its unit is.
+    #[must_use]
+    pub fn unit_s(&self) -> f64 {
+        seconds(self.unit)
+    }
+}
+
+fn seconds(unit: &str) -> f64 {
+    units::of(unit, Unit::Second).map_or(1.0, |(factor, _)| factor)
 }
 
 /// What is in a column.
@@ -167,12 +180,7 @@ fn of_clock(table: &Table) -> Option<ClockSurvey> {
     let period = sorted[sorted.len() / 2];
     let first = column.values[0] + column.origin as f64;
     let (unit, why) = guess::time_unit(&column.name, column.holds.as_deref(), first, period);
-    let factor = match unit {
-        "ms" => 1e-3,
-        "us" => 1e-6,
-        "ns" => 1e-9,
-        _ => 1.0,
-    };
+    let factor = seconds(unit);
     let (mut sum, mut count, mut gaps) = (0.0, 0.0f64, 0);
     for step in &steps {
         if *step > GAP * period {

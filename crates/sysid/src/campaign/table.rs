@@ -188,7 +188,7 @@ pub(super) fn check_columns(path: &Path, at: Place, words: &[&str], said: Said) 
         let is_time = |w: &&&str| w.contains("time") || w.contains("stamp") || **w == "t";
         let hint = words.iter().find(is_time).map_or_else(String::new, |w| format!(" (found '{w}')"));
         let problem = format!(
-            "is missing{hint}; map a column onto it in the campaign's [columns], or state sample_rate_hz"
+            "is missing{hint}; map a column onto it in the campaign's [columns], or state sample_rate_hz beside them"
         );
         return Err(Error::bad(path, at, Some("time_s"), problem));
     }

@@ -5,6 +5,7 @@ use super::units::{probable, short};
 use super::{Finding, Problem, Severity, finding};
 use crate::campaign::{Clock, Run};
 use crate::{Campaign, Role};
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 /// Columns that are a quantity and its rate, at the output of a bench and at a joint.
@@ -32,21 +33,21 @@ pub(super) fn look(campaign: &Campaign) -> Vec<Finding> {
     found
 }
 
+/// Every output column of a campaign's runs.
+fn channels(campaign: &Campaign) -> BTreeSet<&str> {
+    campaign.runs.iter().flat_map(|run| &run.record.outputs).map(|s| s.channel.as_str()).collect()
+}
+
 /// The columns of a campaign that are a quantity and its rate.
 fn pairs(campaign: &Campaign) -> Vec<(String, String)> {
-    let has = |channel: &str| campaign.runs.iter().any(|run| run.record.output(channel).is_some());
-    let channels = campaign.runs.iter().flat_map(|run| &run.record.outputs).map(|s| s.channel.as_str());
-    let mut all: Vec<(String, String)> = channels
-        .filter_map(|channel| {
-            let (place, own) = channel.rsplit_once('.').map_or(("", channel), |(place, own)| (place, own));
-            let (_, rate) = RATES.iter().find(|(quantity, _)| *quantity == own)?;
-            let rate = if place.is_empty() { (*rate).to_owned() } else { format!("{place}.{rate}") };
-            has(&rate).then(|| (channel.to_owned(), rate))
-        })
-        .collect();
-    all.sort();
-    all.dedup();
-    all
+    let all = channels(campaign);
+    let with_rate = |channel: &&str| {
+        let (place, own) = channel.rsplit_once('.').map_or(("", *channel), |(place, own)| (place, own));
+        let (_, rate) = RATES.iter().find(|(quantity, _)| *quantity == own)?;
+        let rate = if place.is_empty() { (*rate).to_owned() } else { format!("{place}.{rate}") };
+        all.contains(rate.as_str()).then(|| ((*channel).to_owned(), rate))
+    };
+    all.iter().filter_map(with_rate).collect()
 }
 
 /// A rate in another unit than its quantity's, or against it.
@@ -101,11 +102,6 @@ fn increments(run: &Run, quantity: &str, rate: &str) -> Option<Vec<(f64, f64)>> 
 
 /// Angles that jump by a turn from one row to the next.
 fn wraps(campaign: &Campaign) -> Vec<Finding> {
-    let mut channels: Vec<&str> =
-        campaign.runs.iter().flat_map(|run| &run.record.outputs).map(|s| s.channel.as_str()).collect();
-    channels.retain(|channel| channel.ends_with("angle_rad"));
-    channels.sort_unstable();
-    channels.dedup();
     let of = |channel: &str| {
         let jumps: Vec<(&Run, usize)> = campaign
             .runs
@@ -129,7 +125,7 @@ fn wraps(campaign: &Campaign) -> Vec<Finding> {
             "its encoder begins again after a turn: map the column with wrap = true".to_owned(),
         )
     };
-    channels.into_iter().filter_map(of).collect()
+    channels(campaign).into_iter().filter(|channel| channel.ends_with("angle_rad")).filter_map(of).collect()
 }
 
 /// Rows before which an angle jumps by a turn while it hardly moves on either side.

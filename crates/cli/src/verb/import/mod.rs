@@ -210,8 +210,7 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
     for column in lines.values() {
         let _ = writeln!(out, "{}", map(column, &mut taken));
     }
-    let parts = parts(logs);
-    if parts != Parts::Runs {
+    if let Some(parts) = parts(logs) {
         out.push_str(&one_run(folder, logs, &parts)?);
         return Ok(out);
     }
@@ -247,7 +246,7 @@ fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<Stri
 /// The run that files are parts of.
 fn one_run(folder: &Path, logs: &[(&Path, Log, Survey)], parts: &Parts) -> anyhow::Result<String> {
     let said = match parts {
-        Parts::Runs | Parts::SameStamps => "the files have the same clock and different columns.",
+        Parts::SameStamps => "the files have the same clock and different columns.",
         Parts::OneClock => "the files have different channels, at times that overlap.",
         Parts::OwnClocks(_) => {
             "the files have different channels and are as long as each other, and their clocks do not meet. TODO: each\n\

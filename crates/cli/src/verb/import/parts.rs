@@ -1,7 +1,7 @@
 //! Whether log files are runs, or parts of one run on one clock or on several.
 
-use sealegs::logs::Log;
-use sealegs::logs::survey::{Survey, TableSurvey};
+use sealegs::logs::survey::{ClockSurvey, Survey, TableSurvey};
+use sealegs::logs::{Log, Table};
 use sealegs::sysid::campaign::INPUT_COLUMNS;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -12,11 +12,9 @@ const OVERLAP: f64 = 0.5;
 /// Ratio of the durations of two files up to which they may be parts of one run though their clocks do not meet.
 const AS_LONG: f64 = 1.1;
 
-/// How log files belong together.
+/// How log files are parts of one run.
 #[derive(Debug, PartialEq)]
 pub(super) enum Parts {
-    /// Each is a run, or several.
-    Runs,
     /// All have the same time stamps.
     SameStamps,
     /// All are on one clock, with stamps of their own.
@@ -25,43 +23,57 @@ pub(super) enum Parts {
     OwnClocks(Vec<f64>),
 }
 
-/// How log files belong together: parts of one run have one table each, and no channel twice.
-pub(super) fn parts(logs: &[(&Path, Log, Survey)]) -> Parts {
-    let all: Option<Vec<(&Log, &TableSurvey)>> = logs
-        .iter()
-        .map(|(_, log, found)| match (&log.tables[..], &found.tables[..]) {
-            ([_], [seen]) if seen.clock.is_some() => Some((log, seen)),
-            _ => None,
-        })
-        .collect();
-    match all {
-        Some(all) if all.len() > 1 && have_same_stamps(&all) => Parts::SameStamps,
-        Some(all) if all.len() > 1 && are_complements(&all) => by_clocks(&all),
-        _ => Parts::Runs,
+/// A file with one table, and that with a clock.
+struct Part<'a> {
+    table: &'a Table,
+    seen: &'a TableSurvey,
+    clock: &'a ClockSurvey,
+}
+
+impl<'a> Part<'a> {
+    fn of(log: &'a Log, found: &'a Survey) -> Option<Self> {
+        let ([table], [seen]) = (&log.tables[..], &found.tables[..]) else { return None };
+        Some(Self { table, seen, clock: seen.clock.as_ref()? })
+    }
+
+    fn stamps(&self) -> &'a [f64] {
+        &self.table.columns[self.clock.column].values
+    }
+
+    /// When its first and last row were, s.
+    fn span_s(&self) -> Option<(f64, f64)> {
+        let (first, _) = self.seen.columns[self.clock.column].range?;
+        let start = first * self.clock.unit_s();
+        (self.table.rows() > 1).then_some((start, start + self.clock.duration_s))
+    }
+}
+
+/// How log files are parts of one run, which have one table each, and no channel twice; `None` where each is a run, or several.
+pub(super) fn parts(logs: &[(&Path, Log, Survey)]) -> Option<Parts> {
+    let all: Vec<Part> = logs.iter().map(|(_, log, found)| Part::of(log, found)).collect::<Option<_>>()?;
+    match all.len() > 1 {
+        true if have_same_stamps(&all) => Some(Parts::SameStamps),
+        true if are_complements(&all) => by_clocks(&all),
+        _ => None,
     }
 }
 
 /// Whether files have equal time stamps, and no other column twice.
-fn have_same_stamps(all: &[(&Log, &TableSurvey)]) -> bool {
-    let stamps = |(log, seen): &(&Log, &TableSurvey)| {
-        let clock = seen.clock.as_ref().map_or(0, |clock| clock.column);
-        log.tables[0].columns[clock].values.clone()
-    };
-    let first = stamps(&all[0]);
+fn have_same_stamps(all: &[Part]) -> bool {
     let mut names: BTreeSet<&str> = BTreeSet::new();
     all.iter().all(|part| {
-        let clock = part.1.clock.as_ref().map(|clock| clock.column);
-        let mut others = part.1.columns.iter().enumerate().filter(|(i, _)| Some(*i) != clock);
-        stamps(part) == first && others.all(|(_, column)| names.insert(&column.name))
+        let columns = part.seen.columns.iter().enumerate();
+        let mut others = columns.filter(|(i, _)| *i != part.clock.column);
+        part.stamps() == all[0].stamps() && others.all(|(_, column)| names.insert(&column.name))
     })
 }
 
 /// Whether each file has channels that no other one has, and one alone has the command.
-fn are_complements(all: &[(&Log, &TableSurvey)]) -> bool {
+fn are_complements(all: &[Part]) -> bool {
     let mut channels: BTreeSet<&str> = BTreeSet::new();
     let mut commands = 0;
-    for (_, seen) in all {
-        let targets = seen.columns.iter().filter_map(|c| Some(c.role.as_ref()?.target.as_str()));
+    for part in all {
+        let targets = part.seen.columns.iter().filter_map(|c| Some(c.role.as_ref()?.target.as_str()));
         let own: Vec<&str> = targets.filter(|target| *target != "time_s").collect();
         commands += usize::from(own.iter().any(|target| INPUT_COLUMNS.contains(target)));
         if own.is_empty() || !own.into_iter().all(|target| channels.insert(target)) {
@@ -72,31 +84,15 @@ fn are_complements(all: &[(&Log, &TableSurvey)]) -> bool {
 }
 
 /// How complementary files belong together by when they begin and end.
-fn by_clocks(all: &[(&Log, &TableSurvey)]) -> Parts {
-    let spans: Vec<(f64, f64)> = all.iter().filter_map(span_s).collect();
+fn by_clocks(all: &[Part]) -> Option<Parts> {
+    let spans: Vec<(f64, f64)> = all.iter().map(Part::span_s).collect::<Option<_>>()?;
     let shortest = spans.iter().map(|(start, end)| end - start).fold(f64::INFINITY, f64::min);
     let longest = spans.iter().map(|(start, end)| end - start).fold(0.0, f64::max);
     let latest = spans.iter().map(|(start, _)| *start).fold(f64::NEG_INFINITY, f64::max);
     let earliest_end = spans.iter().map(|(_, end)| *end).fold(f64::INFINITY, f64::min);
-    if spans.len() == all.len() && earliest_end - latest >= OVERLAP * shortest {
-        Parts::OneClock
-    } else if spans.len() == all.len() && longest <= AS_LONG * shortest {
-        Parts::OwnClocks(spans.iter().map(|(start, _)| spans[0].0 - start).collect())
-    } else {
-        Parts::Runs
+    if earliest_end - latest >= OVERLAP * shortest {
+        return Some(Parts::OneClock);
     }
-}
-
-/// When a file's first and last row were, s.
-fn span_s((log, seen): &(&Log, &TableSurvey)) -> Option<(f64, f64)> {
-    let clock = seen.clock.as_ref()?;
-    let per_second = match clock.unit {
-        "ms" => 1e3,
-        "us" => 1e6,
-        "ns" => 1e9,
-        _ => 1.0,
-    };
-    let (first, _) = seen.columns[clock.column].range?;
-    let start = first / per_second;
-    (log.tables[0].rows() > 1).then_some((start, start + clock.duration_s))
+    let offsets = || spans.iter().map(|(start, _)| spans[0].0 - start).collect();
+    (longest <= AS_LONG * shortest).then(|| Parts::OwnClocks(offsets()))
 }
