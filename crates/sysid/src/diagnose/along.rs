@@ -48,10 +48,9 @@ impl Models<'_> {
     pub(super) fn repeating(&self, near: &Candidate, card: &EffectCard) -> Option<Candidate> {
         let law = Repeating::of(card).filter(|law| !self.dear && near.effects.contains(&law.simple))?;
         let (before, known) = (&near.fit.values, near.known());
-        let size = known.iter().find(|(name, _)| {
-            symbol(name, &law.simple).is_some_and(|own| own == card.parameters[law.size].name)
-        })?;
-        let size = size.1;
+        // The simpler law's first parameter means what the richer one's does, whatever it is called.
+        let (_, size) = known.iter().find(|(name, _)| symbol(name, &law.simple).is_some())?;
+        let size = *size;
         let place = card.id.rsplit_once('/').map_or("", |(place, _)| place);
         let predictions = near.fit.evaluation.predictions.iter();
         let positions = predictions.filter_map(|p| p.internal_at(place, internal::SCREW_POSITION)).flatten();

@@ -256,9 +256,12 @@ fn search<'a>(
     let best = search.without_contained(best);
     search.confirm_rivals(best);
     let (simplest, _) = search.ties(best);
+    let simplest = search.without_contained(simplest);
     if simplest != best {
         search.confirm_rivals(simplest);
     }
+    let best =
+        if search.tried[simplest].effects.len() < search.tried[best].effects.len() { simplest } else { best };
     let (chosen, mut tied) = search.ties(best);
     let chosen = search.holding_up(chosen, &mut tied);
     let chosen = search.without_idle(chosen, &mut tied);

@@ -182,6 +182,11 @@ policy! {
     /// Standard error of a parameter over its stated standard deviation from which on a last fit looks along its profile:
     /// data that say ten times as much as what was stated have found the value.
     HARDLY_KNOWN = 0.1;
+    /// What counts as stated of an effect's parameter, as a share of its value: catalogues guess within a factor of two.
+    EFFECT_STATED = 0.5;
+    /// Gain of a step of a fit along a profile with which it is content, in cost: a fifth of what ends an interval of one
+    /// standard error.
+    PROFILE_TOLERANCE = 0.1;
     /// Times that a last fit goes on from the lowest place of such profiles: each leads to where another one is lower.
     PROFILE_ROUNDS = 2.0;
     /// Distance of the places of a profile, in standard errors: the error of a value that is known as well as its curvature

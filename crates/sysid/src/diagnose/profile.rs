@@ -9,17 +9,13 @@
 use super::Candidate;
 use super::count::is_count;
 use super::policy::{
-    FOLLOWED, HARDLY_KNOWN, KNOWN_FROM_ZERO, NOTHING_MORE, PROFILE_HEIGHT, PROFILE_PLACES, PROFILE_ROUNDS,
-    PROFILE_STEP, PROFILE_TO, PROFILE_WIDEST, STEPS,
+    EFFECT_STATED, FOLLOWED, HARDLY_KNOWN, KNOWN_FROM_ZERO, NOTHING_MORE, PROFILE_HEIGHT, PROFILE_PLACES,
+    PROFILE_ROUNDS, PROFILE_STEP, PROFILE_TO, PROFILE_TOLERANCE, PROFILE_WIDEST, STEPS,
 };
 use super::refine::Models;
 use super::screen::Known;
 use crate::fit::{self, Difference, FitOptions, KnownColumns};
 use std::sync::Arc;
-
-/// Gain of a step of a fit along a profile with which it is content, in cost: a fifth of what ends an interval of one standard
-/// error.
-const TOLERANCE: f64 = 0.1;
 
 /// A set's values at a place of a profile, and their cost.
 struct Place {
@@ -84,7 +80,7 @@ impl Models<'_> {
             options.held.push(p.name.clone());
             let options = FitOptions {
                 max_steps: STEPS as usize,
-                tolerance: TOLERANCE,
+                tolerance: PROFILE_TOLERANCE,
                 difference: Difference::Secant,
                 secants: true,
                 compares: false,
@@ -105,13 +101,12 @@ impl Models<'_> {
     }
 }
 
-/// The parameters that a set hardly knows better than they were stated, those first of which it knows least. A value of an
-/// effect counts as stated within half of itself.
+/// The parameters that a set hardly knows better than they were stated, those first of which it knows least.
 fn hardly_known(set: &Candidate) -> Vec<usize> {
     let share = |&i: &usize| {
         let p = &set.fit.parameters[i];
         let of_effect = p.name.contains('.');
-        let stated = if of_effect { 0.5 * p.value.abs() } else { p.prior_std? };
+        let stated = if of_effect { EFFECT_STATED * p.value.abs() } else { p.prior_std? };
         let moves = p.std > 0.0 && p.at_bound.is_none() && !is_count(&set.model.parameters()[i]);
         (moves && p.std > HARDLY_KNOWN * stated).then_some((i, p.std / stated))
     };

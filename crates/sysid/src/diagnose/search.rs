@@ -141,6 +141,15 @@ impl Search<'_> {
             }
             let Some(fitted) = self.grown(best) else { return (best, Ended::Curve) };
             let better = self.best_of(&fitted, best);
+            // A law and a simpler one that it contains are the one law.
+            let once = self.without_contained(better);
+            if once != better {
+                if self.tried[once].fit.cost >= self.tried[best].fit.cost {
+                    break;
+                }
+                best = once;
+                continue;
+            }
             if self.curve_explains(better) {
                 return (better, Ended::Curve);
             }
