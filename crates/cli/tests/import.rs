@@ -158,6 +158,37 @@ fn a_load_cell_with_a_logger_of_its_own_is_a_part_of_the_run_on_one_clock_or_two
 }
 
 #[test]
+fn logs_of_instruments_and_of_merged_topics_are_read_as_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let imported = |name: &str, content: &str| {
+        let file = folder.path().join(name);
+        std::fs::write(&file, content).unwrap();
+        let out = folder.path().join(format!("of-{name}"));
+        said(&["import", text(&file), "-o", text(&out)]);
+        let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+        // What it marks is completed: the rate that stands above the table.
+        let completed = written.replace("# sample_rate_hz", "sample_rate_hz");
+        std::fs::write(out.join("campaign.toml"), &completed).unwrap();
+        (Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{completed}")).runs.remove(0).record, written)
+    };
+    let wave = |i: i32| (0.03 * f64::from(i)).sin();
+    let rows: String = (0..300).map(|i| format!("{},{}\n", wave(i), 0.1 * wave(i + 30))).collect();
+    let above = "Knee bench\nOperator: A\nRate: 200 Hz\n\ntorque_cmd [Nm],angle [deg]\n";
+    let (record, written) = imported("bench.csv", &format!("{above}{rows}"));
+    assert!(written.contains("sample_rate_hz = 200.0"), "{written}");
+    assert!((record.time_s[1] - 0.005).abs() < 1e-12 && record.time_s.len() == 300);
+    // Each topic has rows of its own; the slower one is brought to the clock of the other.
+    let row = |i: i32| match i % 3 {
+        0 => format!("{},,{}\n", 0.01 * f64::from(i), wave(i)),
+        _ => format!("{},{},\n", 0.01 * f64::from(i), wave(i - 30)),
+    };
+    let rows: String = (0..300).map(row).collect();
+    let (record, _) = imported("merged.csv", &format!("__time,/state/position,/cmd/torque\n{rows}"));
+    let (angle, torque) = (record.output("joint_angle_rad"), record.input("joint_torque_nm"));
+    assert!(angle.is_some_and(|a| a.len() > 150) && torque.is_some());
+}
+
+#[test]
 fn bench_and_actuator_are_those_of_the_columns() {
     let folder = tempfile::tempdir().unwrap();
     let logs = [

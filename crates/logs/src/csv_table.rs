@@ -1,6 +1,7 @@
 //! Tables as text: CSV, also separated by semicolons, tabs or spaces, with comments, with or without a header, in UTF-8, Latin-1 or UTF-16.
 
 use crate::budget::{Budget, MOST_COLUMNS};
+use crate::preamble::{self, Preamble};
 use crate::table::{Column, EMPTY, EXACT, IN_UNIT, Log, Places, TRUTH, Table, no_number};
 use crate::{LogError, moment};
 use std::borrow::Cow;
@@ -8,8 +9,9 @@ use std::path::Path;
 
 /// Reads the bytes of a text.
 ///
-/// The first line that is no comment (`#`, `%`, `//`) holds the columns' names; where it holds numbers, the comment
-/// before it does if it has as many words, and else nobody does ([`Table::headerless`]). The separator is that of
+/// The first line that is no comment (`#`, `%`, `//`) holds the columns' names, or a later one where other lines stand above
+/// it ([`preamble`]). Where it holds numbers, the comment before it does if it has as many words, and else nobody does
+/// ([`Table::headerless`]). The separator is that of
 /// `;`, tab, `,` and space which the line has first in this order; a comma inside a cell is a decimal point.
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
     let text = in_utf8(bytes);
@@ -51,7 +53,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
             Some(table) => table.row(path, line, row.len(), row.iter())?,
         }
     }
-    finish(path, table)
+    finish(path, table, &start)
 }
 
 /// The line of a record that the library says to begin here: it means the end of the record before, with blank lines,
@@ -88,24 +90,29 @@ fn spaced(path: &Path, body: &[u8], start: &Start) -> Result<Log, LogError> {
             Some(table) => table.row(path, number, count, cells())?,
         }
     }
-    finish(path, table)
+    finish(path, table, &start)
 }
 
-fn finish(path: &Path, table: Option<Building>) -> Result<Log, LogError> {
+fn finish(path: &Path, table: Option<Building>, start: &Start) -> Result<Log, LogError> {
     let Some(table) = table else { return Err(LogError::whole(path, "is empty")) };
-    let notes = table.cut.map(|cut| format!("{cut}: the last line is cut off, and left out"));
+    let cut = table.cut.map(|cut| format!("{cut}: the last line is cut off, and left out"));
+    let above = start.above.as_ref().map(|_| format!("the columns' names stand in line {}", start.lines + 1));
+    let again =
+        table.named_again.map(|line| format!("the columns' names stand again in line {line}: left out"));
     let table = Table {
         columns: table.columns,
         places: table.places,
         headerless: table.headerless,
         ..Table::default()
     };
-    Ok(Log { format: "CSV", tables: vec![table], notes: notes.into_iter().collect(), ..Log::default() })
+    let notes = above.into_iter().chain(again).chain(cut).collect();
+    let constants = start.above.as_ref().map_or(Vec::new(), |above| above.constants.clone());
+    Ok(Log { format: "CSV", tables: vec![table], notes, constants })
 }
 
 /// How a text begins.
 struct Start<'a> {
-    /// Bytes and lines of comment before the first line of the table.
+    /// Bytes and lines before the first line of the table: comment, and what stands above the columns' names.
     offset: usize,
     lines: u64,
     /// What comments begin with.
@@ -113,6 +120,7 @@ struct Start<'a> {
     separator: u8,
     /// The last line of comment, which may be a header.
     commented: Option<&'a [u8]>,
+    above: Option<Preamble>,
 }
 
 impl<'a> Start<'a> {
@@ -127,8 +135,14 @@ impl<'a> Start<'a> {
             let blank = line.is_empty() || (line.len() == 5 && line.starts_with(b"sep="));
             // The reader skips and counts blank lines itself, unless a comment follows them.
             if length == 0 || (mark.is_none() && !blank) {
-                let separator = separator(line);
-                return Self { offset, lines, comment, separator, commented };
+                let above = preamble::above(rest);
+                if let Some(above) = &above {
+                    offset += above.bytes;
+                    lines += above.lines as u64;
+                }
+                let first = bytes[offset..].split(|&b| b == b'\n').next().unwrap_or_default();
+                let separator = separator(first.trim_ascii());
+                return Self { offset, lines, comment, separator, commented, above };
             }
             if let Some(mark) = mark {
                 comment = Some(mark[0]);
@@ -140,7 +154,8 @@ impl<'a> Start<'a> {
     }
 }
 
-fn separator(line: &[u8]) -> u8 {
+/// What separates the cells of a line.
+pub(crate) fn separator(line: &[u8]) -> u8 {
     [b';', b'\t', b',', b' '].into_iter().find(|s| line.contains(s)).unwrap_or(b',')
 }
 
@@ -155,6 +170,8 @@ struct Building {
     units_may_follow: bool,
     /// A row with too few cells, which may be the last one of a log whose power went.
     cut: Option<LogError>,
+    /// The first line that holds the names once more: a log that began anew.
+    named_again: Option<u64>,
 }
 
 impl Building {
@@ -166,6 +183,7 @@ impl Building {
         start: &Start,
         bytes: usize,
     ) -> Result<Self, LogError> {
+        let first = first.take(start.above.as_ref().map_or(usize::MAX, |above| above.columns));
         let cells = first.clone().count();
         let decimal_comma = start.separator != b',';
         let numbers = first.clone().filter(|cell| number(cell, decimal_comma).is_ok()).count();
@@ -180,6 +198,7 @@ impl Building {
             decimal_comma,
             units_may_follow: numbers == 0,
             cut: None,
+            named_again: None,
         };
         if numbers == 0 {
             for cell in first.clone() {
@@ -264,6 +283,11 @@ impl Building {
             }
             return Ok(());
         }
+        let named = |(column, cell): (&Column, &[u8])| cell.trim_ascii() == column.name.as_bytes();
+        if self.columns.iter().zip(cells.clone()).all(named) {
+            self.named_again.get_or_insert(line);
+            return Ok(());
+        }
         self.places.note(self.columns[0].values.len(), line);
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             match number(cell, self.decimal_comma) {
@@ -312,6 +336,11 @@ enum Odd {
     /// Nanoseconds, and since when.
     Moment(i64, &'static str),
     Fault(String),
+}
+
+/// Whether a cell holds a number, a date or a truth value.
+pub(crate) fn is_number(cell: &[u8], decimal_comma: bool) -> bool {
+    !matches!(number(cell, decimal_comma), Err(Odd::Fault(_)))
 }
 
 /// A finite number, or what the cell is instead.
@@ -431,6 +460,14 @@ mod tests {
         assert_eq!(log.tables[0].rows(), 2);
         assert!(log.notes[0].contains("line 4") && log.notes[0].contains("left out"), "{:?}", log.notes);
         assert!(read("t,q,f\n0,1,2\n1,2\n2,2,3\n").unwrap_err().problem.contains("has 2 cells"));
+    }
+
+    #[test]
+    fn a_line_that_names_the_columns_again_is_no_row() {
+        let log = parse(Path::new("r.csv"), b"t,q\n0,1\nt,q\n1,2\n").unwrap();
+        assert_eq!(log.tables[0].columns[1].values, [1.0, 2.0]);
+        assert!(log.notes[0].contains("line 3") && log.tables[0].columns[1].fault.is_none());
+        assert_eq!(log.tables[0].places.of(1), Place::Line(4));
     }
 
     #[test]

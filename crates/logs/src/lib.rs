@@ -1,7 +1,7 @@
 //! Other people's logs as tables: named columns of numbers, with the file, the row and the column of every fault.
 //!
 //! - [`read`] looks at a file's ending (and its first bytes) and reads it whole: CSV in its many shapes, Parquet,
-//!   MATLAB, HDF5, JSON, NumPy, MCAP, ROS 2 bags and recordings of Rerun. A [`Log`] has one [`Table`] for each topic, list or length of
+//!   MATLAB, HDF5, JSON, NumPy, MCAP, ROS 2 bags and recordings of Rerun, packed by gzip or not. A [`Log`] has one [`Table`] for each topic, list or length of
 //!   arrays. A cell that is no number is a [`Fault`] of its column, so that a column nobody needs breaks nothing.
 //! - [`columns`] maps what a file has onto the names of the data contract: scale, unit, sign, offset, wrap.
 //! - [`join`] puts tables and files with different clocks on one clock.
@@ -28,9 +28,12 @@ mod moment;
 mod numpy;
 mod open;
 mod parquet_table;
+mod preamble;
 mod ros;
 mod rrd;
+mod sparse;
 mod sqlite;
+mod stamps;
 pub mod survey;
 mod table;
 mod topics;
@@ -38,5 +41,6 @@ mod units;
 mod zip;
 
 pub use error::{LogError, Place, place};
+pub use guess::is_time;
 pub use open::{Format, parse, read};
 pub use table::{Column, Fault, Log, Places, Table};

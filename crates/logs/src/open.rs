@@ -1,7 +1,11 @@
 //! Which reader a file needs.
 
+use crate::budget::MOST_INFLATED;
 use crate::table::Log;
-use crate::{LogError, bag, csv_table, hdf5, json, matlab, mcap_log, numpy, parquet_table, rrd, sqlite};
+use crate::{
+    LogError, bag, csv_table, hdf5, json, matlab, mcap_log, numpy, parquet_table, rrd, sparse, sqlite, stamps,
+};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// A format of log files.
@@ -101,13 +105,42 @@ pub fn read(path: &Path) -> Result<Log, LogError> {
     parse(path, std::fs::read(path).map_err(unreadable)?)
 }
 
+/// What a file that is packed by gzip begins with.
+const GZIP: &[u8] = b"\x1f\x8b\x08";
+
 /// As [`read`] of the bytes of a file; the path says the format, where the bytes do not, and is named in errors.
 ///
 /// # Errors
 ///
 /// As [`read`].
 pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Log, LogError> {
-    match Format::of(path, &bytes) {
+    let (named, bytes) = match bytes.starts_with(GZIP) {
+        // `leg.csv.gz` is named `leg.csv` inside.
+        true => (path.with_extension(""), unpacked(path, &bytes)?),
+        false => (path.to_owned(), bytes),
+    };
+    let mut log = of_format(Format::of(&named, &bytes), path, bytes)?;
+    log.tables.iter_mut().for_each(stamps::made_whole);
+    log.tables = log.tables.into_iter().flat_map(sparse::apart).collect();
+    Ok(log)
+}
+
+/// What gzip has packed.
+fn unpacked(path: &Path, bytes: &[u8]) -> Result<Vec<u8>, LogError> {
+    let mut inside = Vec::new();
+    let read = flate2::read::MultiGzDecoder::new(bytes).take(MOST_INFLATED + 1).read_to_end(&mut inside);
+    match read {
+        Err(e) => Err(LogError::whole(path, format!("cannot be unpacked: {e}"))),
+        Ok(size) if size as u64 > MOST_INFLATED => {
+            let problem = format!("holds more than {MOST_INFLATED} bytes; unpack it");
+            Err(LogError::whole(path, problem))
+        }
+        Ok(_) => Ok(inside),
+    }
+}
+
+fn of_format(format: Format, path: &Path, bytes: Vec<u8>) -> Result<Log, LogError> {
+    match format {
         Format::Text => csv_table::parse(path, &bytes),
         Format::Parquet => parquet_table::parse(path, bytes.into()),
         Format::Matlab if matlab::is_hdf5(&bytes) => hdf5::parse(path, bytes),

@@ -24,10 +24,12 @@ const TIME: [&str; 18] = [
     "uptime",
 ];
 
-/// Whether a name says that it is time.
-pub(crate) fn is_time(name: &str) -> bool {
+/// Whether a column's name says that it is time.
+#[must_use]
+pub fn is_time(name: &str) -> bool {
     let words = words(last_part(name));
-    words.iter().any(|w| TIME.contains(&w.as_str()))
+    // LabVIEW's only one that goes on.
+    words.iter().any(|w| TIME.contains(&w.as_str())) || name == "X_Value"
 }
 
 /// The unit of time stamps, and why.

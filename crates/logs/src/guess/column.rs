@@ -21,7 +21,9 @@ const FEWEST_COUNTS: f64 = 12.0;
 /// What a column is by the words and the unit in its name, and the size of its numbers.
 pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &ColumnSurvey) -> Option<Guess> {
     let (plain, unit) = without_unit(name);
-    let unit = unit.or_else(|| name::of_row(column.holds.as_deref()?));
+    let stated = unit.or_else(|| name::of_row(column.holds.as_deref()?));
+    let of_odrive = name::of_odrive(name).filter(|_| stated.is_none());
+    let unit = stated.or(of_odrive);
     let (all, words) = (words(plain), words(last_part(plain)));
     let find = |list: &[&str]| words.iter().find(|w| list.contains(&w.as_str()));
     if find(&ACCELERATION).is_some() || unit.is_some_and(|(_, of)| of.quantity().is_none()) {
@@ -85,6 +87,9 @@ pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &Column
     }
     if let Some(word) = derived {
         reason.push_str(&format!("; '{word}': made by the controller"));
+    }
+    if of_odrive.is_some() {
+        reason.push_str("; ODrive counts turns");
     }
     let settings = settings(target, unit, &words, values, column, &mut reason);
     if let Some(unit) = name::unknown_unit(name) {

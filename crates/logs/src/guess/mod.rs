@@ -5,7 +5,8 @@ mod column;
 mod name;
 mod words;
 
-pub(crate) use clock::{is_time, time_unit};
+pub use clock::is_time;
+pub(crate) use clock::time_unit;
 
 use crate::lerobot;
 use crate::survey::{ColumnSurvey, Role, goes_on};
@@ -336,6 +337,8 @@ mod tests {
         assert_eq!(table("vel_dps", wave), "unit = \"deg/s\"");
         assert_eq!(table("current_mA", wave), "unit = \"mA\"");
         assert_eq!(table("angle_rad", wave), "");
+        assert_eq!(table("axis0.encoder.pos_estimate", wave), "unit = \"turn\"");
+        assert_eq!(table("axis0.encoder.vel_estimate", wave), "unit = \"rev/s\"");
         assert_eq!(table("angle", |r| 100.0 * (r as f64).sin()), "unit = \"deg\"");
         // 16384 counts a turn.
         let counts = |r: usize| (8191.5 + 8191.5 * (0.3 * r as f64).sin()).round();

@@ -109,6 +109,16 @@ pub(super) fn without_unit(name: &str) -> (&str, Option<(&'static str, Dimension
     if name.len() - at > 2 || says_so() { (rest, Some(unit)) } else { (name, None) }
 }
 
+/// The unit of an estimate or a command of ODrive, which counts turns: no other drive calls them so.
+pub(super) fn of_odrive(name: &str) -> Option<(&'static str, Dimension)> {
+    let name = name.to_lowercase();
+    let ends = |all: &[&str]| all.iter().any(|end| name.ends_with(end));
+    if ends(&["pos_estimate", "input_pos"]) {
+        return Some(("turn", Dimension::Angle));
+    }
+    ends(&["vel_estimate", "input_vel"]).then_some(("rev/s", Dimension::AngularSpeed))
+}
+
 /// What stands in brackets at a name's end, where it is no unit that is known: `tics` of `speed [tics]`, and not `2` of `positions[2]`.
 pub(super) fn unknown_unit(name: &str) -> Option<&str> {
     let name = name.trim();

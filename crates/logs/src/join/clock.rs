@@ -3,6 +3,7 @@
 use super::{At, File, JoinError, Request, SAME_S, Wanted, column, table, table_title, title, usable};
 use crate::LogError;
 use crate::columns::{ColumnMap, unwrapped};
+use crate::guess::is_time;
 
 /// A step of more periods than this is a gap, over which nothing should be interpolated unsaid.
 const GAP: f64 = 5.0;
@@ -65,7 +66,7 @@ pub(super) fn clock(
             (Wanted { at, map: ColumnMap::plain("time_s") }, own == Some(c))
         }
         (None, None) => {
-            let hint = table.columns.iter().find(|c| c.name.contains("time") || c.name.contains("stamp"));
+            let hint = table.columns.iter().find(|c| is_time(&c.name));
             let hint = hint.map_or_else(String::new, |c| format!(" (found '{}')", c.name));
             let Some(rate) = request.sample_rate_hz.filter(|_| alone) else {
                 let problem = format!(

@@ -252,8 +252,13 @@ fn table(files: &[File], (file, table): (usize, usize)) -> &Table {
 
 /// What a table is called in remarks.
 fn title(files: &[File], at: (usize, usize)) -> String {
-    let (file, table) = (&files[at.0].label, &table(files, at).name);
-    if table.is_empty() { file.clone() } else { format!("{file}: {table}") }
+    let (file, name) = (&files[at.0].label, &table(files, at).name);
+    match files[at.0].log.tables.iter().filter(|t| t.name == *name).count() {
+        1 if name.is_empty() => file.clone(),
+        1 => format!("{file}: {name}"),
+        // One that was cut by the rows that its columns have numbers in.
+        _ => table(files, at).columns.last().map_or(String::new(), |c| format!("{file}: '{}'", c.name)),
+    }
 }
 
 /// What a table is called where the file has been named.

@@ -56,10 +56,12 @@ pub(super) struct RunEntry {
 }
 
 impl RunEntry {
-    /// What the run is called: its file, with the episode if it is one of several.
+    /// What the run is called: its file, or both, or the first of more, with the episode if it is one of several.
     pub fn name(&self) -> String {
-        let files: Vec<&str> = self.files.iter().map(|f| f.file.as_str()).collect();
-        let files = files.join("+");
+        let files = match &self.files[..] {
+            [first, _, rest @ ..] if !rest.is_empty() => format!("{}+{} more", first.file, 1 + rest.len()),
+            all => all.iter().map(|f| f.file.as_str()).collect::<Vec<_>>().join("+"),
+        };
         self.episode.map_or_else(|| files.clone(), |e| format!("{files}#{e}"))
     }
 

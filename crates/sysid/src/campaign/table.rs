@@ -5,7 +5,7 @@ use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, JOINT_COMMANDS, OUTPUT_COLUMNS, S
 use crate::{Error, Place};
 use sealegs_logs::columns::ColumnMap;
 use sealegs_logs::join::{self, JoinError, Request};
-use sealegs_logs::{Format, Log};
+use sealegs_logs::{Format, Log, is_time};
 use sealegs_model::{InputHold, Signal, Unit};
 use std::path::Path;
 
@@ -185,8 +185,8 @@ pub(super) fn check_columns(path: &Path, at: Place, words: &[&str], said: Said) 
         }
     }
     if !words.contains(&"time_s") {
-        let is_time = |w: &&&str| w.contains("time") || w.contains("stamp") || **w == "t";
-        let hint = words.iter().find(is_time).map_or_else(String::new, |w| format!(" (found '{w}')"));
+        let hint =
+            words.iter().find(|word| is_time(word)).map_or_else(String::new, |w| format!(" (found '{w}')"));
         let problem = format!(
             "is missing{hint}; map a column onto it in the campaign's [columns], or state sample_rate_hz beside them"
         );

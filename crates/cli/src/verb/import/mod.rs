@@ -278,11 +278,13 @@ fn one_run(folder: &Path, logs: &[(&Path, Log, Survey)], parts: &Parts) -> anyho
 fn rate_hz(log: &Log) -> Option<(f64, String)> {
     let named = |(name, value): &(String, f64)| {
         let own = name.rsplit('.').next().unwrap_or(name).to_lowercase();
+        let own: String = own.chars().filter(|c| c.is_alphanumeric()).collect();
+        // `Delta_X` is LabVIEW's; instruments write the others above their tables.
         let rate = match own.as_str() {
-            "dt" | "ts" | "samplingperiod" | "sample_time" | "sampletime" | "timestep" => 1.0 / value,
-            "fs" | "rate" | "rate_hz" | "sample_rate" | "sample_rate_hz" | "samplerate" | "frequency" => {
-                *value
-            }
+            "dt" | "ts" | "samplingperiod" | "samplingtime" | "sampletime" | "sampleinterval"
+            | "timestep" | "deltax" => 1.0 / value,
+            "fs" | "rate" | "ratehz" | "samplerate" | "sampleratehz" | "samplingrate"
+            | "samplingfrequency" | "frequency" => *value,
             _ => return None,
         };
         (rate.is_finite() && rate > 0.0)
@@ -325,7 +327,12 @@ fn rig(logs: &[(&Path, Log, Survey)]) -> String {
         return format!(
             "bench = \"robot\"            # columns that are called by a joint\n\
              robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
-             actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n{constant}"
+             actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n{constant}{}",
+            if has("torque_nm") {
+                "# window_s = 2.0          # where joints under torques drift away in open loop, `check` says how long pieces to cut\n"
+            } else {
+                ""
+            }
         );
     }
     let spring = ["spring_torque_nm", "spring_deflection_rad"].into_iter().any(has);
