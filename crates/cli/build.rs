@@ -1,7 +1,7 @@
-//! Puts the commit into the version, where the sources are a git checkout, and has functions of the same code linked once,
-//! where the linker can.
+//! Puts the commit into the version, where the sources are a git checkout, and has functions of the same code linked once and
+//! relocations packed, where linker and system can.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn main() {
@@ -13,28 +13,32 @@ fn main() {
     let said = commit.map_or_else(|| version.to_owned(), |commit| format!("{version} ({commit})"));
     println!("cargo::rustc-env=SEALEGS_VERSION={said}");
     // A million bytes of the program: generics that differ in their types alone. No address of a function is compared.
-    if links_with(FOLDED) {
+    if linked_with(FOLDED).is_some() {
         println!("cargo::rustc-link-arg-bins={FOLDED}");
+    }
+    // Another million: the addresses that the loader must correct.
+    let runs_here = std::env::var("HOST") == std::env::var("TARGET");
+    let runs = |program: PathBuf| Command::new(program).status().is_ok_and(|status| status.success());
+    if runs_here && linked_with(PACKED).is_some_and(runs) {
+        println!("cargo::rustc-link-arg-bins={PACKED}");
     }
 }
 
 /// Identical code folding of LLVM's linker, which is Rust's own on Linux; GNU's has none.
 const FOLDED: &str = "-Wl,--icf=all";
 
-/// Whether a program of nothing links for Linux with an argument, by the linker and the flags of this build.
-fn links_with(argument: &str) -> bool {
+/// Relocations by ranges of addresses; loaders know them since glibc 2.36 and musl 1.2.4.
+const PACKED: &str = "-Wl,-z,pack-relative-relocs";
+
+/// A program of nothing that is linked for Linux with an argument, by the linker and the flags of this build, if they can.
+fn linked_with(argument: &str) -> Option<PathBuf> {
     let variable = |name| std::env::var(name).ok();
-    let (Some(target), Some(out), Some(rustc)) = (variable("TARGET"), variable("OUT_DIR"), variable("RUSTC"))
-    else {
-        return false;
-    };
+    let (target, out, rustc) = (variable("TARGET")?, variable("OUT_DIR")?, variable("RUSTC")?);
     if !target.contains("-linux-") {
-        return false;
+        return None;
     }
     let (source, program) = (Path::new(&out).join("nothing.rs"), Path::new(&out).join("nothing"));
-    if std::fs::write(&source, "fn main() {}").is_err() {
-        return false;
-    }
+    std::fs::write(&source, "fn main() {}").ok()?;
     let mut command = Command::new(rustc);
     command
         .args(["--target", &target])
@@ -45,7 +49,7 @@ fn links_with(argument: &str) -> bool {
     command.args(variable("RUSTC_LINKER").map(|linker| format!("-Clinker={linker}")));
     let flags = variable("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default();
     command.args(flags.split('\u{1f}').filter(|flag| !flag.is_empty()));
-    command.output().is_ok_and(|done| done.status.success())
+    command.output().ok().filter(|done| done.status.success()).map(|_| program)
 }
 
 /// The commit of the checkout that these sources are the top of; none in an archive, even inside another checkout.

@@ -277,6 +277,63 @@ fn an_arm_that_falls_in_open_loop_is_diagnosed_in_pieces_of_its_runs() {
 }
 
 #[test]
+fn joints_without_columns_stand_still_and_each_joint_that_has_some_gets_a_drive_of_its_kind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    let link = |name: &str| {
+        format!(
+            "<link name=\"{name}\"><inertial><origin xyz=\"0.1 0 0\"/><mass value=\"1\"/><inertia ixx=\"0.01\" \
+             iyy=\"0.01\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+        )
+    };
+    let joint = |name: &str, kind: &str, parent: &str, child: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
+             <axis xyz=\"0 0 1\"/><limit lower=\"0.2\" upper=\"1\" effort=\"9\" velocity=\"9\"/></joint>"
+        )
+    };
+    write(
+        "hand.urdf",
+        &format!(
+            "<robot name=\"hand\"><link name=\"base\"/>{}{}{}{}{}{}</robot>",
+            link("a"),
+            link("b"),
+            link("c"),
+            joint("lift", "prismatic", "base", "a"),
+            joint("wrist", "revolute", "a", "b"),
+            joint("finger", "revolute", "b", "c"),
+        ),
+    );
+    let mut rows = "time_s,lift.force_n,lift.position_m,wrist.torque_nm,wrist.angle_rad\n".to_owned();
+    for n in 0..60 {
+        let t = 0.01 * f64::from(n);
+        let _ = writeln!(rows, "{t:.2},29.5,{:.5},0.1,{:.5}", 0.5 + 0.01 * t, 0.5 + 0.02 * t);
+    }
+    write("log.csv", &rows);
+    write(
+        "campaign.toml",
+        "bench = \"robot\"\nrobot = \"hand.urdf\"\nactuator = \"rigid-rotary\"\n[[run]]\nfile = \"log.csv\"\nrole = \"fit\"\n",
+    );
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let done = sealegs(1, &["compare", &path("campaign.toml"), "--as-is"]);
+    let (said, error) = (String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr));
+    assert_eq!(done.status.code(), Some(0), "{error}");
+    assert!(said.contains("1 of 3 joints stand still") && said.contains("finger"), "{said}");
+    assert!(said.contains("'lift' slides: its drive is 'rigid-linear'"), "{said}");
+    // The model with an effect holds them, too.
+    well(&[
+        "add",
+        "wrist/coulomb-friction",
+        "--campaign",
+        &path("campaign.toml"),
+        "-o",
+        &path("better.toml"),
+    ]);
+    let better = std::fs::read_to_string(path("better.toml")).expect("the model file");
+    assert!(better.contains("[hold]") && better.contains("finger = 0.2"), "{better}");
+}
+
+#[test]
 fn a_robots_columns_and_files_are_refused_by_name() {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");

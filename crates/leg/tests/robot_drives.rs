@@ -394,3 +394,34 @@ fn what_commands_a_joint_is_said() {
     assert!(fixed(&record(&[("hinge.torque_nm", &goal)], &[])));
     assert!(!fixed(&record(&[("hinge.position_rad", &goal)], &[])));
 }
+
+#[test]
+fn a_joint_that_is_held_is_one_that_the_urdf_fixes_there() {
+    let (held, fixed) = (folder(), folder());
+    robot(held.path(), TWO, TORQUE);
+    let mut file = RobotFile::of_urdf("robot.urdf", "drive.toml", held.path());
+    file.hold.insert("elbow".to_owned(), 0.4);
+    let held = RobotModel::new(file.clone(), &[]).unwrap_or_else(|e| panic!("{e}"));
+    // The elbow turns about -y.
+    let at = "<origin xyz=\"0 0 -0.3\"/>";
+    let urdf = TWO
+        .replace("name=\"elbow\" type=\"continuous\"", "name=\"elbow\" type=\"fixed\"")
+        .replace(at, "<origin xyz=\"0 0 -0.3\" rpy=\"0 -0.4 0\"/>");
+    assert!(urdf.contains("rpy=\"0 -0.4 0\"") && urdf.contains("type=\"fixed\""));
+    let fixed = robot(fixed.path(), &urdf, TORQUE);
+    let record =
+        record(&[("shoulder.torque_nm", &|t| 2.0 * (3.0 * t).sin())], &[("shoulder.angle_rad", 0.1)]);
+    let angle = |model: RobotModel| {
+        let model = at_rest(model, &record);
+        let channels = ["shoulder.angle_rad".to_owned()];
+        let predicted = model.predict(&values(&model), &record, &channels).unwrap_or_else(|e| panic!("{e}"));
+        predicted.output("shoulder.angle_rad").expect("the angle").to_vec()
+    };
+    let (held, fixed) = (angle(held), angle(fixed));
+    assert!(farthest(&held, &[held[0]; 1500]) > 0.1 && farthest(&held, &fixed) < 1e-9);
+
+    file.hold = [("elbo".to_owned(), 0.0)].into();
+    assert!(RobotModel::new(file.clone(), &[]).unwrap_err().to_string().contains("did you mean 'elbow'"));
+    file.hold = [("elbow".to_owned(), f64::NAN)].into();
+    assert!(RobotModel::new(file, &[]).unwrap_err().to_string().contains("hold.elbow"));
+}

@@ -6,14 +6,16 @@ use crate::campaign_model::{
 use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
 use crate::{Error, ModelSource, Result};
-use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::SensorSpec;
+use sealegs_actuator::{ActuatorSpec, Kind};
 use sealegs_leg::bench::{RobotFile, RobotModel};
+use sealegs_leg::robot::{Joint, JointKind, Robot};
 use sealegs_model::Model;
 use sealegs_sysid::Campaign;
 use sealegs_sysid::campaign::Run;
 use sealegs_sysid::diagnose::{Experiment, Limits};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -50,7 +52,7 @@ pub fn of_source(
             if campaign.actuator.is_empty() {
                 return Err(without_drive(&urdf).into());
             }
-            RobotFile::of_urdf(&urdf, &campaign.actuator, campaign.folder())
+            of_urdf(campaign, &urdf)
         }
         ModelSource::File(path) => {
             let is_drive = || ActuatorSpec::load(&path.display().to_string(), None).is_ok();
@@ -81,7 +83,7 @@ pub fn of_source(
         ModelSource::Campaign if campaign.actuator.is_empty() => {
             return Err(without_drive(&stated).into());
         }
-        ModelSource::Campaign => RobotFile::of_urdf(&stated, &campaign.actuator, campaign.folder()),
+        ModelSource::Campaign => of_urdf(campaign, &stated),
     };
     let file = match was_fitted_here(&file.provenance, model, campaign)? {
         true => file.without_fitted_std(),
@@ -109,6 +111,63 @@ pub fn of_source(
     let of_run = |run: &Run| servos.iter().map(|j| (j.clone(), run.rig.servo_gain_of(j))).collect();
     let gains = campaign.runs.iter().map(|run| (run.record.name.clone(), of_run(run))).collect();
     Ok(model.with_servo_gains(gains).for_records(&records))
+}
+
+/// Joints that a remark names.
+const NAMED: usize = 6;
+
+/// A URDF with the drives that the campaign names. Joints that no column of any run belongs to, a hand or wheels, stand still, with a
+/// remark.
+fn of_urdf(campaign: &mut Campaign, urdf: &str) -> RobotFile {
+    let mut file = RobotFile::of_urdf(urdf, &campaign.actuator, campaign.folder());
+    // Whatever is wrong with the URDF is said where the model is made of it.
+    let Ok(robot) = Robot::load(&file.urdf().display().to_string(), None) else { return file };
+    let records = || campaign.runs.iter().map(|run| &run.record);
+    let signals = records().flat_map(|record| record.inputs.iter().chain(&record.outputs));
+    let logged: BTreeSet<&str> = signals.filter_map(|s| Some(s.channel.rsplit_once('.')?.0)).collect();
+    let (logged, idle): (Vec<&Joint>, Vec<&Joint>) =
+        robot.moving_joints().partition(|joint| logged.contains(joint.name.as_str()));
+    // One drive cannot suit joints that turn and joints that slide; one that suits none of them is a mistake.
+    if let Ok(drive) = ActuatorSpec::load(&file.actuator, Some(&file.folder)) {
+        let suits = |joint: &&&Joint| (joint.kind == JointKind::Prismatic) == (drive.kind == Kind::Linear);
+        let (other, does) = match drive.kind {
+            Kind::Linear => ("rigid-rotary", "turns"),
+            Kind::Rotary => ("rigid-linear", "slides"),
+        };
+        let odd = logged.iter().filter(|joint| !suits(joint) && logged.iter().any(|j| suits(&j)));
+        for joint in odd {
+            file.drive.insert(joint.name.clone(), other.to_owned());
+            let what =
+                format!("{urdf}: '{}' {does}: its drive is '{other}', not '{}'", joint.name, file.actuator);
+            note(campaign, what);
+        }
+    }
+    if logged.is_empty() || idle.is_empty() {
+        return file;
+    }
+    let at = |joint: &&Joint| (joint.name.clone(), 0.0_f64.clamp(joint.limits.lower, joint.limits.upper));
+    file.hold = idle.iter().map(at).collect();
+    let mut names: Vec<&str> = idle.iter().map(|joint| joint.name.as_str()).take(NAMED).collect();
+    let more = format!("and {} more", idle.len().saturating_sub(NAMED));
+    if idle.len() > NAMED {
+        names.push(&more);
+    }
+    let held = format!(
+        "{urdf}: {} of {} joints stand still, at 0 or the nearest limit, as no column belongs to them: {}; a robot's file may \
+         say where under [hold]",
+        idle.len(),
+        idle.len() + logged.len(),
+        names.join(", ")
+    );
+    note(campaign, held);
+    file
+}
+
+/// Adds a remark to a campaign, once.
+fn note(campaign: &mut Campaign, what: String) {
+    if !campaign.notes.contains(&what) {
+        campaign.notes.push(what);
+    }
 }
 
 impl CampaignModel for RobotModel {

@@ -1,7 +1,10 @@
 //! What is wrong with a log, as every verb shows it, and the refusal to diagnose it.
 
+use crate::diagnosis::drift::Astray;
 use crate::{Error, Result};
+use sealegs_model::Model;
 use sealegs_recorder::report::{Report, Table};
+use sealegs_sysid::Campaign;
 use sealegs_sysid::sanity::{self, Finding};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -22,6 +25,13 @@ pub fn text(findings: &[Finding]) -> String {
         out.push_str("  Findings marked with ! stop a diagnosis.\n");
     }
     out
+}
+
+/// What to do about runs from which the model as it stands diverges in open loop, in a sentence: a refit of it would take long and
+/// say little.
+#[must_use]
+pub fn drift_advice(campaign: &Campaign, model: &dyn Model) -> Option<String> {
+    Some(format!("before any refit: {}", Astray::before_a_fit(campaign, model)?.advice()))
 }
 
 /// The same as a section of a page.

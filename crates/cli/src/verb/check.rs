@@ -40,6 +40,7 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<u8> {
     campaign.notes.extend(campaign.check_against(model.as_ref()).or_bad_input()?);
     let json = Destination::optional(arguments.json.as_ref())?;
     let wrong = sanity::look(&campaign, model.as_ref());
+    campaign.notes.extend(sealegs::sanity::drift_advice(&campaign, model.as_ref()));
     let shown = arguments.json.as_deref() != Some(Path::new("-"));
     if shown {
         // What is wrong with the log comes before the long work.

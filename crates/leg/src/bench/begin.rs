@@ -24,7 +24,7 @@ pub(super) struct Begin {
 #[derive(Debug)]
 struct FirstRows {
     rows: Record,
-    /// The joints' positions that were measured there, with the standard deviation of their noise.
+    /// The joints' positions and speeds that were measured there, with the standard deviation of their noise.
     channels: Vec<String>,
     noise: Vec<f64>,
 }
@@ -72,7 +72,24 @@ impl Begin {
                 at.push((0.0, start(&of.channel(Column::Speed)).map_or(0.0, |speed| speed.value)));
                 continue;
             };
-            let Start { value, slope, value_std, slope_std, noise, .. } = start;
+            let Start { value, mut slope, value_std, mut slope_std, noise, .. } = start;
+            let rough = noise > 0.0 && slope_std > 0.0 && value_std > 0.0;
+            let channel_of_speed = of.channel(Column::Speed);
+            let measured = record.output(&channel_of_speed).filter(|_| rough);
+            if let Some(speed) = measured.map(|values| start_of(&record.time_s, values))
+                && speed.noise > 0.0
+            {
+                let std = speed.value_std.max(speed.noise);
+                // A speed that is filtered, or late, is none.
+                if (speed.value - slope).abs() <= START_LIMIT * slope_std.hypot(std) {
+                    let weight = slope_std.powi(2) / (slope_std.powi(2) + std.powi(2));
+                    slope += weight * (speed.value - slope);
+                    slope_std *= (1.0 - weight).sqrt();
+                    channels.push(channel_of_speed);
+                    noises.push(speed.noise);
+                    rows = rows.max(speed.rows);
+                }
+            }
             at.push((value, slope));
             if noise > 0.0 {
                 channels.push(channel);
@@ -80,7 +97,7 @@ impl Begin {
                 rows = rows.max(start.rows);
             }
             // One at rest is known well.
-            if noise > 0.0 && slope_std > 0.0 && value_std > 0.0 {
+            if rough {
                 let of = |(is_speed, std)| Unknown { joint, is_speed, std };
                 unknown.extend([(false, value_std), (true, slope_std)].map(of));
             }

@@ -18,6 +18,9 @@ pub struct RobotFile {
     /// Other drives, by joint.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub drive: BTreeMap<String, String>,
+    /// Joints that stand still, and where, rad or m: a hand, wheels, a head.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub hold: BTreeMap<String, f64>,
     /// Measured or fitted values of base parameters by their names, `elbow/damping`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, EffectValue>,

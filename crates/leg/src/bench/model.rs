@@ -9,7 +9,7 @@ use super::stated::with_embedded;
 use crate::LegError;
 use crate::dynamics::equations::MovingBodies;
 use crate::error::nearest;
-use crate::robot::{JointKind, Robot};
+use crate::robot::{JointKind, JointLimits, Robot};
 use sealegs_actuator::bench::{Bench, BenchModel};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
@@ -67,18 +67,33 @@ impl RobotModel {
         let own = with_embedded(&file, own)?;
         let robot = Robot::load(&file.urdf().display().to_string(), None)?;
         let bad = |field: String, problem: String| LegError::scenario(&file.robot, &field, problem);
+        let moving = |robot: &Robot| robot.moving_joints().map(|j| j.name.clone()).collect::<Vec<_>>();
+        let stray = |table: &str, joint: &str, names: &[String]| {
+            let hint = nearest(joint, names.iter().map(String::as_str));
+            let hint = hint.map(|n| format!("; did you mean '{n}'?")).unwrap_or_default();
+            bad(format!("{table}.{joint}"), format!("no such joint moves{hint}"))
+        };
+        let names = moving(&robot);
+        for (joint, position) in &file.hold {
+            let Some(held) = robot.moving_joints().find(|j| j.name == *joint) else {
+                return Err(stray("hold", joint, &names));
+            };
+            if !position.is_finite() || !held.limits.contain(*position) {
+                let JointLimits { lower, upper, .. } = held.limits;
+                let problem = format!("{position} is outside of the joint's limits, {lower} to {upper}");
+                return Err(bad(format!("hold.{joint}"), problem));
+            }
+        }
+        let robot = robot.holding(&file.hold);
         if robot.dofs == 0 {
             return Err(bad("joint".to_owned(), "none of them moves".to_owned()));
         }
         let tree = MovingBodies::of(&robot);
         let mut equations = tree.equations();
         tree.at(&vec![0.0; robot.dofs], &vec![0.0; robot.dofs], &mut equations);
-        let names: Vec<String> = robot.moving_joints().map(|j| j.name.clone()).collect();
-        if let Some(stray) = file.drive.keys().find(|joint| !names.contains(joint)) {
-            let hint = nearest(stray, names.iter().map(String::as_str))
-                .map(|n| format!("; did you mean '{n}'?"))
-                .unwrap_or_default();
-            return Err(bad(format!("drive.{stray}"), format!("no such joint moves{hint}")));
+        let names = moving(&robot);
+        if let Some(joint) = file.drive.keys().find(|joint| !names.contains(joint)) {
+            return Err(stray("drive", joint, &names));
         }
         let mut parameters: Vec<Parameter> = Vec::new();
         let mut joints = Vec::new();

@@ -31,6 +31,7 @@ pub use link::{Geometry, Inertial, Link, Mesh, Shape};
 pub use options::LoadOptions;
 pub use placement::{Drive, HoekensMount, LengthRange, Placement};
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// A tree of links and joints with the actuators that drive it.
@@ -102,6 +103,22 @@ impl Robot {
     /// The joints that move, in the order of their degree of freedom.
     pub fn moving_joints(&self) -> impl Iterator<Item = &Joint> {
         self.joints.iter().filter(|j| j.dof.is_some())
+    }
+
+    /// The robot with these joints standing still at a position (rad or m): they are fixed there, and the others' degrees of freedom
+    /// are counted anew. A name that no joint has changes nothing.
+    #[must_use]
+    pub fn holding(mut self, held: &BTreeMap<String, f64>) -> Self {
+        self.dofs = 0;
+        for joint in &mut self.joints {
+            if let Some(position) = held.get(&joint.name) {
+                joint.origin = joint.parent_from_child(*position);
+                joint.kind = JointKind::Fixed;
+            }
+            joint.dof = (joint.kind != JointKind::Fixed).then_some(self.dofs);
+            self.dofs += usize::from(joint.dof.is_some());
+        }
+        self
     }
 
     /// The joints on the way from one link to the other, in no particular order.

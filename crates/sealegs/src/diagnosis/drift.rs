@@ -2,12 +2,18 @@
 //! state, the same log tells what its forces are; and a robot's named model may have been fitted to such pieces.
 
 use super::outcome::Side;
-use sealegs_model::Unit;
-use sealegs_sysid::{Campaign, Role, stats};
+use sealegs_model::{Model, Unit};
+use sealegs_sysid::{Campaign, Data, Role, residual, stats};
 
 /// Share of a position's own standard deviation that a model leaves of it from which on it has gone astray: the error of a
 /// motion that a force drives grows with the square of the time, and soon says little of the force.
 const ASTRAY: f64 = 0.2;
+
+/// The same of a model that was not fitted, whose values may be placeholders: what it leaves is more than the motion itself.
+const FAR_ASTRAY: f64 = 1.0;
+
+/// Integration steps per sampling period of such a look.
+const STEPS_PER_SAMPLE: f64 = 4.0;
 
 /// Pieces that the longest run is proposed to be cut into, and the shortest one, s.
 const PIECES: (f64, f64) = (10.0, 0.5);
@@ -52,6 +58,21 @@ impl Astray {
         // As it is said.
         let piece_s = (10.0 * (longest_s / PIECES.0).max(PIECES.1)).round() / 10.0;
         Some(Self { channel: channel.to_owned(), share, piece_s, longest_s })
+    }
+
+    /// Of a model as it stands, on the fit runs, where they are long enough to be cut: a refit of what diverges takes long and
+    /// says little.
+    pub(crate) fn before_a_fit(campaign: &Campaign, model: &dyn Model) -> Option<Self> {
+        if !campaign.bench.may_begin_in_motion() {
+            return None;
+        }
+        let data = Data::new(campaign, Some(Role::Fit), model).ok()?;
+        let coarse = model.coarser(STEPS_PER_SAMPLE);
+        let values: Vec<f64> = coarse.parameters().iter().map(|p| p.value).collect();
+        let left = residual::by_channel(&data, &data.evaluate(coarse.as_ref(), &values).ok()?);
+        let left = left.iter().map(|error| (error.channel.as_str(), error.rms));
+        let astray = Self::of(campaign, Role::Fit, left)?;
+        (astray.share > FAR_ASTRAY && astray.is_worth_cutting()).then_some(astray)
     }
 
     /// Whether the runs are long enough to be cut.
