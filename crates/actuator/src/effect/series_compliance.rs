@@ -24,7 +24,7 @@ impl Effect for SeriesComplianceEffect {
             f64::INFINITY,
         );
         // The mass is the file's, an estimate. Free beside the stiffness it leads a search astray: where the end rings
-        // undamped the error has a comb of valleys along both. Held for good it would make the stiffness look well known
+        // undamped the error has many minima along both. Held for good it would make the stiffness look well known
         // where the data tell only its ratio to the mass.
         let stated = setting.unsprung_mass;
         let mass = if stated > 0.0 { stated } else { UNSPRUNG_SHARE * setting.total_mass };

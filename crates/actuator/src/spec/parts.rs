@@ -312,7 +312,7 @@ pub struct EffectSpec {
 }
 
 /// How far a bound that was only guessed lies from a value that a file states, at least, as a ratio.
-const ROOM: f64 = 10.0;
+const BOUND_RATIO: f64 = 10.0;
 
 impl EffectSpec {
     /// Puts a value that the file states into a parameter of this effect.
@@ -325,9 +325,9 @@ impl EffectSpec {
         parameter.value = value;
         parameter.prior_std = given.std.filter(|s| *s > 0.0);
         let guessed = !parameter.unit.is_empty() && self.definition.is_none();
-        let room = if guessed { [value, ROOM * value, value / ROOM] } else { [value; 3] };
+        let within = if guessed { [value, BOUND_RATIO * value, value / BOUND_RATIO] } else { [value; 3] };
         (parameter.min, parameter.max) =
-            room.iter().fold((parameter.min, parameter.max), |(low, high), v| (low.min(*v), high.max(*v)));
+            within.iter().fold((parameter.min, parameter.max), |(low, high), v| (low.min(*v), high.max(*v)));
         if !parameter.fixed {
             parameter.starts.clear();
         }
