@@ -52,7 +52,7 @@ pub fn of_source(
             if campaign.actuator.is_empty() {
                 return Err(without_drive(&urdf).into());
             }
-            of_urdf(campaign, &urdf)
+            RobotFile::of_urdf(&urdf, &campaign.actuator, campaign.folder())
         }
         ModelSource::File(path) => {
             let is_drive = || ActuatorSpec::load(&path.display().to_string(), None).is_ok();
@@ -83,8 +83,9 @@ pub fn of_source(
         ModelSource::Campaign if campaign.actuator.is_empty() => {
             return Err(without_drive(&stated).into());
         }
-        ModelSource::Campaign => of_urdf(campaign, &stated),
+        ModelSource::Campaign => RobotFile::of_urdf(&stated, &campaign.actuator, campaign.folder()),
     };
+    let file = completed(campaign, file);
     let file = match was_fitted_here(&file.provenance, model, campaign)? {
         true => file.without_fitted_std(),
         false => file,
@@ -116,17 +117,23 @@ pub fn of_source(
 /// Joints that a remark names.
 const NAMED: usize = 6;
 
-/// A URDF with the drives that the campaign names. Joints that no column of any run belongs to, a hand or wheels, stand still, with a
+/// A robot's file with what the campaign's columns say beside it. Joints that no column of any run belongs to, and of which the file
+/// says nothing, a hand or wheels, stand still, and a joint of another kind than the drive of all gets one of its own, each with a
 /// remark.
-fn of_urdf(campaign: &mut Campaign, urdf: &str) -> RobotFile {
-    let mut file = RobotFile::of_urdf(urdf, &campaign.actuator, campaign.folder());
+fn completed(campaign: &mut Campaign, mut file: RobotFile) -> RobotFile {
+    let urdf = file.robot.clone();
     // Whatever is wrong with the URDF is said where the model is made of it.
     let Ok(robot) = Robot::load(&file.urdf().display().to_string(), None) else { return file };
     let records = || campaign.runs.iter().map(|run| &run.record);
     let signals = records().flat_map(|record| record.inputs.iter().chain(&record.outputs));
     let logged: BTreeSet<&str> = signals.filter_map(|s| Some(s.channel.rsplit_once('.')?.0)).collect();
-    let (logged, idle): (Vec<&Joint>, Vec<&Joint>) =
-        robot.moving_joints().partition(|joint| logged.contains(joint.name.as_str()));
+    let said: BTreeSet<&str> = file.drive.keys().map(String::as_str).collect();
+    let at_places = file.parameters.keys().chain(file.effects.iter().map(|effect| &effect.id));
+    let places: BTreeSet<&str> = at_places.filter_map(|id| Some(id.split_once('/')?.0)).collect();
+    let moves =
+        |joint: &&Joint| [&logged, &said, &places].iter().any(|all| all.contains(joint.name.as_str()));
+    let free = robot.moving_joints().filter(|joint| !file.hold.contains_key(&joint.name));
+    let (moving, idle): (Vec<&Joint>, Vec<&Joint>) = free.partition(moves);
     // One drive cannot suit joints that turn and joints that slide; one that suits none of them is a mistake.
     if let Ok(drive) = ActuatorSpec::load(&file.actuator, Some(&file.folder)) {
         let suits = |joint: &&&Joint| (joint.kind == JointKind::Prismatic) == (drive.kind == Kind::Linear);
@@ -134,7 +141,8 @@ fn of_urdf(campaign: &mut Campaign, urdf: &str) -> RobotFile {
             Kind::Linear => ("rigid-rotary", "turns"),
             Kind::Rotary => ("rigid-linear", "slides"),
         };
-        let odd = logged.iter().filter(|joint| !suits(joint) && logged.iter().any(|j| suits(&j)));
+        let odd = moving.iter().filter(|joint| !suits(joint) && moving.iter().any(|j| suits(&j)));
+        let odd: Vec<&&Joint> = odd.filter(|joint| !file.drive.contains_key(&joint.name)).collect();
         for joint in odd {
             file.drive.insert(joint.name.clone(), other.to_owned());
             let what =
@@ -142,11 +150,12 @@ fn of_urdf(campaign: &mut Campaign, urdf: &str) -> RobotFile {
             note(campaign, what);
         }
     }
-    if logged.is_empty() || idle.is_empty() {
+    if moving.is_empty() || idle.is_empty() {
         return file;
     }
     let at = |joint: &&Joint| (joint.name.clone(), 0.0_f64.clamp(joint.limits.lower, joint.limits.upper));
-    file.hold = idle.iter().map(at).collect();
+    let (idle_count, all) = (idle.len(), idle.len() + moving.len() + file.hold.len());
+    file.hold.extend(idle.iter().map(at));
     let mut names: Vec<&str> = idle.iter().map(|joint| joint.name.as_str()).take(NAMED).collect();
     let more = format!("and {} more", idle.len().saturating_sub(NAMED));
     if idle.len() > NAMED {
@@ -155,8 +164,8 @@ fn of_urdf(campaign: &mut Campaign, urdf: &str) -> RobotFile {
     let held = format!(
         "{urdf}: {} of {} joints stand still, at 0 or the nearest limit, as no column belongs to them: {}; a robot's file may \
          say where under [hold]",
-        idle.len(),
-        idle.len() + logged.len(),
+        idle_count,
+        all,
         names.join(", ")
     );
     note(campaign, held);

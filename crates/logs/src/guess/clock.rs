@@ -3,8 +3,10 @@
 use super::name::{last_part, words};
 use crate::table::stated_unit;
 
-const TIME: [&str; 18] = [
+const TIME: [&str; 19] = [
     "t",
+    // LCM's, in microseconds.
+    "utime",
     "time",
     "times",
     "timestamp",
@@ -50,7 +52,7 @@ pub(crate) fn time_unit(
     if has(&["ns", "nsec", "nanoseconds", "nanos"]) || held("nanoseconds", "ns") {
         return ("ns", "its unit by its name or type");
     }
-    if has(&["us", "usec", "microseconds", "micros"]) || held("microseconds", "us") {
+    if has(&["us", "usec", "utime", "microseconds", "micros"]) || held("microseconds", "us") {
         return ("us", "its unit by its name or type");
     }
     if has(&["ms", "msec", "milliseconds", "millis"]) || held("milliseconds", "ms") {

@@ -40,7 +40,14 @@ pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &Column
         (None, None) if find(&["load"]).is_some() => {
             return Some(Guess::Aside("a load in shares of the greatest one is no torque in N m".to_owned()));
         }
-        (None, None) => return None,
+        // MuJoCo's `ctrl`, a learner's `actions`.
+        (None, None) => {
+            let word = find(&COMMANDED).filter(|word| word.len() > 2)?;
+            let why = format!(
+                "TODO: '{word}' in its name: a command of what? motor_torque_nm, position_rad, current_a, voltage_v, or a joint's own"
+            );
+            return Some(Guess::Aside(why));
+        }
     };
     let commanded = find(&COMMANDED).or_else(|| all.iter().find(|w| COMMANDS.contains(&w.as_str())));
     // Franka's `tau_J_d` is desired, and a current's `d` an axis.

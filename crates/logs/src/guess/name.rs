@@ -215,6 +215,15 @@ fn behind_quantity(name: &str) -> Option<String> {
     (is_quantity(first) && has_letters).then(|| joint.join("_"))
 }
 
+/// What stands above the quantity in a path: `knee` of `/joint_states/knee/position`, as PlotJuggler writes it.
+fn above_quantity(path: &str) -> Option<&str> {
+    let (rest, quantity) = path.strip_prefix('/')?.rsplit_once('/')?;
+    let (_, joint) = rest.rsplit_once('/')?;
+    let words = words(joint);
+    let named = !words.iter().all(|w| is_kind(w) || is_quantity(w));
+    (is_quantity(&quantity.to_lowercase()) && named).then_some(joint)
+}
+
 /// Words that a number behind them makes the name of a joint.
 const JOINT: [&str; 10] = ["j", "joint", "axis", "ax", "dof", "motor", "m", "act", "actuator", "servo"];
 
@@ -238,6 +247,9 @@ pub(super) fn joint(name: &str) -> Option<String> {
             Ok(number) => format!("joint{number}"),
             Err(_) => inside.to_owned(),
         });
+    }
+    if let Some(joint) = above_quantity(name) {
+        return Some(joint.to_owned());
     }
     let named = numbered(name).map(str::to_owned).or_else(|| before_quantity(name));
     if let Some(joint) = named.or_else(|| behind_quantity(name)) {
@@ -304,6 +316,7 @@ mod tests {
             ("tau_con1", "joint1"),
             ("positions[2]", "joint2"),
             ("- arm_1_joint_position", "arm_1_joint"),
+            ("/joint_states/arm_2_joint/position", "arm_2_joint"),
         ];
         for (name, expected) in named {
             assert_eq!(joint(name).as_deref(), Some(expected), "{name}");

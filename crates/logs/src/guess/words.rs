@@ -61,7 +61,7 @@ pub(super) const WORDS: [(Quantity, &[&str]); 8] = [
     ),
 ];
 
-pub(super) const COMMANDED: [&str; 22] = [
+pub(super) const COMMANDED: [&str; 23] = [
     "cmd",
     "command",
     "commands",
@@ -80,6 +80,7 @@ pub(super) const COMMANDED: [&str; 22] = [
     "ctrl",
     "control",
     "action",
+    "actions",
     "u",
     "req",
     "demand",
