@@ -8,6 +8,9 @@ use std::collections::HashMap;
 /// Share of a column's cells without a number beyond which it was logged on a clock of its own; fewer are a fault of the log.
 const SPARSE: f64 = 0.2;
 
+/// Fewest cells with a number, and without one, that tell a clock of its own from a fault.
+const FEWEST: usize = 8;
+
 /// A column of the data contract's own time: in such a file a cell that is no number is a fault.
 const OWN_TIME: &str = "time_s";
 
@@ -23,7 +26,8 @@ pub(crate) fn apart(table: Table) -> Vec<Table> {
     let Some(clock) = (0..table.columns.len()).find(is_clock) else { return vec![table] };
     let is_sparse = |values: &[f64]| {
         let numbers = values.iter().filter(|v| v.is_finite()).count();
-        numbers > 1 && ((rows - numbers) as f64) > SPARSE * rows as f64
+        let empty = rows - numbers;
+        numbers.min(empty) >= FEWEST && empty as f64 > SPARSE * rows as f64
     };
     // Columns by the rows in which they have numbers; those that are not sparse stay together.
     let mut of_rows: HashMap<Vec<bool>, usize> = HashMap::new();

@@ -337,7 +337,8 @@ mod tests {
         assert_eq!(table("vel_dps", wave), "unit = \"deg/s\"");
         assert_eq!(table("current_mA", wave), "unit = \"mA\"");
         assert_eq!(table("angle_rad", wave), "");
-        assert_eq!(table("axis0.encoder.pos_estimate", wave), "unit = \"turn\"");
+        let slow = |r: usize| (0.3 * r as f64).sin();
+        assert_eq!(table("axis0.encoder.pos_estimate", slow), "unit = \"turn\"");
         assert_eq!(table("axis0.encoder.vel_estimate", wave), "unit = \"rev/s\"");
         assert_eq!(table("angle", |r| 100.0 * (r as f64).sin()), "unit = \"deg\"");
         // 16384 counts a turn.
