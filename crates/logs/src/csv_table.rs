@@ -90,7 +90,7 @@ fn spaced(path: &Path, body: &[u8], start: &Start) -> Result<Log, LogError> {
             Some(table) => table.row(path, number, count, cells())?,
         }
     }
-    finish(path, table, &start)
+    finish(path, table, start)
 }
 
 fn finish(path: &Path, table: Option<Building>, start: &Start) -> Result<Log, LogError> {
