@@ -1,10 +1,10 @@
 //! Tables as text: CSV, also separated by semicolons, tabs or spaces, with comments, with or without a header, in UTF-8, Latin-1 or UTF-16.
 
 use crate::budget::{Budget, MOST_COLUMNS};
+use crate::encoding::in_utf8;
 use crate::preamble::{self, Preamble};
 use crate::table::{Column, EMPTY, EXACT, IN_UNIT, Log, Places, TRUTH, Table, no_number};
 use crate::{LogError, moment};
-use std::borrow::Cow;
 use std::path::Path;
 
 /// Reads the bytes of a text.
@@ -325,9 +325,6 @@ impl Building {
 /// The longest unit's letters: `[mNm/rad]`.
 const LONGEST_UNIT: usize = 9;
 
-/// Bytes that tell whether a file is a text: a header and some rows.
-const LOOKED_AT: usize = 4096;
-
 const NO_HEADER: &str = "no header: the first row must hold the columns' names";
 
 /// What a cell is if not a finite number.
@@ -361,27 +358,6 @@ fn number(cell: &[u8], decimal_comma: bool) -> Result<f64, Odd> {
             None => Odd::Fault(no_number(&text)),
         }),
     }
-}
-
-/// A text in UTF-16 or Latin-1, as spreadsheets and instruments save it, in UTF-8. UTF-16 begins with a mark; what is no UTF-8, but
-/// has no control characters either, is Latin-1.
-fn in_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let unit: fn([u8; 2]) -> u16 = match bytes {
-        [0xff, 0xfe, ..] => u16::from_le_bytes,
-        [0xfe, 0xff, ..] => u16::from_be_bytes,
-        _ => {
-            let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-            let start = &bytes[..bytes.len().min(LOOKED_AT)];
-            let is_text = |b: &u8| matches!(b, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0xa0..);
-            return match start.iter().all(is_text) && std::str::from_utf8(bytes).is_err() {
-                true => Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect::<String>().into_bytes()),
-                false => Cow::Borrowed(bytes),
-            };
-        }
-    };
-    let units = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
-    let text = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
-    Cow::Owned(text.collect::<String>().into_bytes())
 }
 
 #[cfg(test)]

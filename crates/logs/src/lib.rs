@@ -1,8 +1,8 @@
 //! Other people's logs as tables: named columns of numbers, with the file, the row and the column of every fault.
 //!
 //! - [`read`] looks at a file's ending (and its first bytes) and reads it whole: CSV in its many shapes, Parquet,
-//!   MATLAB, HDF5, JSON, NumPy, MCAP, ROS 2 bags and recordings of Rerun, packed by gzip or not. A [`Log`] has one [`Table`] for each topic, list or length of
-//!   arrays. A cell that is no number is a [`Fault`] of its column, so that a column nobody needs breaks nothing.
+//!   MATLAB, HDF5, JSON, NumPy, MCAP, ROS 2 bags and recordings of Rerun, packed by gzip or not. A [`Log`] has one [`Table`]
+//!   for each topic, list, length of arrays or set of rows that columns have numbers in. A cell that is no number is a [`Fault`] of its column, so that a column nobody needs breaks nothing.
 //! - [`columns`] maps what a file has onto the names of the data contract: scale, unit, sign, offset, wrap.
 //! - [`join`] puts tables and files with different clocks on one clock.
 //! - [`survey`] says what is in a file, and what its columns probably are.
@@ -15,6 +15,7 @@ mod bag;
 mod budget;
 pub mod columns;
 mod csv_table;
+mod encoding;
 mod error;
 mod fence;
 mod guess;

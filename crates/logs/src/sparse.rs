@@ -1,7 +1,6 @@
 //! Tables in which each signal has cells in rows of its own: what was logged on several clocks and written under one.
 
-use crate::guess;
-use crate::survey::goes_on;
+use crate::survey::{clock_of, goes_on};
 use crate::table::Table;
 use std::collections::HashMap;
 
@@ -18,12 +17,11 @@ const OWN_TIME: &str = "time_s";
 /// column is sparse, or no time stands beside them.
 pub(crate) fn apart(table: Table) -> Vec<Table> {
     let rows = table.rows();
-    let is_clock = |i: &usize| {
-        let column = &table.columns[*i];
-        let named = table.clock == Some(*i) || guess::is_time(&column.name);
-        named && column.name != OWN_TIME && column.fault.is_none() && goes_on(&column.values)
-    };
-    let Some(clock) = (0..table.columns.len()).find(is_clock) else { return vec![table] };
+    let clock = clock_of(&table).map(|(clock, _)| clock).filter(|&clock| {
+        let column = &table.columns[clock];
+        column.fault.is_none() && goes_on(&column.values)
+    });
+    let Some(clock) = clock.filter(|_| table.column(OWN_TIME).is_none()) else { return vec![table] };
     let is_sparse = |values: &[f64]| {
         let numbers = values.iter().filter(|v| v.is_finite()).count();
         let empty = rows - numbers;

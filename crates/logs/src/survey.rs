@@ -147,24 +147,27 @@ fn of_column(table: &Table, column: &Column) -> ColumnSurvey {
     }
 }
 
-/// The column that is time: the format's own, or one that is called so and goes on.
-fn of_clock(table: &Table) -> Option<ClockSurvey> {
-    let (index, reason) = match table.clock {
-        Some(own) => (own, "the time at which each message was logged".to_owned()),
-        None => {
-            let fit = |c: &Column| c.fault.is_none() && goes_on(&c.values);
-            // pandas' index of time stamps may have no name.
-            let dated = |c: &Column| {
-                let stamps = |h: &str| [DATES, TIMES].contains(&h) || h.starts_with(STAMPS);
-                c.holds.as_deref().is_some_and(stamps)
-            };
-            let at = |like: &dyn Fn(&Column) -> bool| table.columns.iter().position(|c| like(c) && fit(c));
-            match at(&dated) {
-                Some(index) => (index, "its cells are dates or times, and they go on".to_owned()),
-                None => (at(&|c| guess::is_time(&c.name))?, "by its name, and it goes on".to_owned()),
-            }
-        }
+/// The column that is time, and why: the format's own, or one that is called so and goes on.
+pub(crate) fn clock_of(table: &Table) -> Option<(usize, &'static str)> {
+    if let Some(own) = table.clock {
+        return Some((own, "the time at which each message was logged"));
+    }
+    let fit = |c: &Column| c.fault.is_none() && goes_on(&c.values);
+    // pandas' index of time stamps may have no name.
+    let dated = |c: &Column| {
+        let stamps = |h: &str| [DATES, TIMES].contains(&h) || h.starts_with(STAMPS);
+        c.holds.as_deref().is_some_and(stamps)
     };
+    let at = |like: &dyn Fn(&Column) -> bool| table.columns.iter().position(|c| like(c) && fit(c));
+    match at(&dated) {
+        Some(index) => Some((index, "its cells are dates or times, and they go on")),
+        None => Some((at(&|c| guess::is_time(&c.name))?, "by its name, and it goes on")),
+    }
+}
+
+/// How regular a table's time is, where a column is time.
+fn of_clock(table: &Table) -> Option<ClockSurvey> {
+    let (index, reason) = clock_of(table)?;
     let column = &table.columns[index];
     let wrap = column.values.windows(2).find_map(|w| counter(w[1], w[0])).map(|(_, period)| period);
     let values = match wrap {

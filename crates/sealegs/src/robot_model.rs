@@ -154,7 +154,7 @@ fn completed(campaign: &mut Campaign, mut file: RobotFile) -> RobotFile {
         return file;
     }
     let at = |joint: &&Joint| (joint.name.clone(), 0.0_f64.clamp(joint.limits.lower, joint.limits.upper));
-    let (idle_count, all) = (idle.len(), idle.len() + moving.len() + file.hold.len());
+    let all = idle.len() + moving.len() + file.hold.len();
     file.hold.extend(idle.iter().map(at));
     let mut names: Vec<&str> = idle.iter().map(|joint| joint.name.as_str()).take(NAMED).collect();
     let more = format!("and {} more", idle.len().saturating_sub(NAMED));
@@ -162,10 +162,9 @@ fn completed(campaign: &mut Campaign, mut file: RobotFile) -> RobotFile {
         names.push(&more);
     }
     let held = format!(
-        "{urdf}: {} of {} joints stand still, at 0 or the nearest limit, as no column belongs to them: {}; a robot's file may \
+        "{urdf}: {} of {all} joints stand still, at 0 or the nearest limit, as no column belongs to them: {}; a robot's file may \
          say where under [hold]",
-        idle_count,
-        all,
+        idle.len(),
         names.join(", ")
     );
     note(campaign, held);

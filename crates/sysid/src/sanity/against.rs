@@ -3,7 +3,7 @@
 use super::pair::{Line, Pair};
 use super::policy::{EXCITED, NEAR_FACTOR, ODD_SLOPE, SWAPPED_SLOPE};
 use super::units::{are_counts, probable, short};
-use super::{Finding, Problem, Severity, finding, offset, stuck};
+use super::{Finding, Problem, Severity, finding, offset, rates, stuck};
 use crate::{Campaign, Data, stats};
 use sealegs_model::columns::JOINT_COMMANDS;
 use sealegs_model::{Model, Prediction, Unit};
@@ -206,28 +206,15 @@ pub(super) fn of_line(s: &Seen) -> Option<(Problem, f64)> {
     worth(Problem::FlippedSign, -r)
 }
 
-/// The angle or speed of the same joint that a column agrees with in every run, and the joint's command: where both run against a
-/// model it is the command that is wrong.
+/// The column that one of a joint agrees with in every run, as its rate or of which it is the rate, and the joint's command: where
+/// both run against a model it is the command that is wrong.
 fn commanded_against(campaign: &Campaign, channel: &str) -> Option<(String, String)> {
-    const PAIRS: [(&str, &str); 2] = [("angle_rad", "speed_rad_s"), ("position_m", "speed_m_s")];
-    let (joint, what) = channel.rsplit_once('.')?;
-    let (angle, speed) = PAIRS.into_iter().find(|(angle, speed)| [angle, speed].contains(&&what))?;
-    let records: Vec<_> = campaign.runs.iter().map(|run| &run.record).collect();
-    let command = records.first()?.inputs.iter().find(|input| {
+    let (joint, _) = channel.rsplit_once('.')?;
+    let command = campaign.runs.first()?.record.inputs.iter().find(|input| {
         let of = input.channel.rsplit_once('.');
         of.is_some_and(|(place, what)| place == joint && JOINT_COMMANDS.contains(&what))
     })?;
-    let agree = records.iter().all(|record| {
-        let of = |what: &str| record.output(&format!("{joint}.{what}"));
-        let (Some(angles), Some(speeds)) = (of(angle), of(speed)) else { return false };
-        let rows = (1..angles.len()).map(|i| {
-            let step = record.time_s[i] - record.time_s[i - 1];
-            ((angles[i] - angles[i - 1]) / step, 0.5 * (speeds[i] + speeds[i - 1]))
-        });
-        Line::through(rows).correlation > FOLLOWS
-    });
-    let other = if what == angle { speed } else { angle };
-    agree.then(|| (format!("{joint}.{other}"), command.channel.clone()))
+    Some((rates::agreeing(campaign, channel)?, command.channel.clone()))
 }
 
 /// Which way a column counts as positive.

@@ -1,5 +1,6 @@
 //! Angles and positions beside the columns of their own rates, without a model: units, signs, and angles that begin again.
 
+use super::against::FOLLOWS;
 use super::pair::Line;
 use super::units::{probable, short};
 use super::{Finding, Problem, Severity, finding};
@@ -48,6 +49,17 @@ fn pairs(campaign: &Campaign) -> Vec<(String, String)> {
         all.contains(rate.as_str()).then(|| ((*channel).to_owned(), rate))
     };
     all.iter().filter_map(with_rate).collect()
+}
+
+/// The column that is a column's rate, or of which it is the rate, where the two agree in every run.
+pub(super) fn agreeing(campaign: &Campaign, channel: &str) -> Option<String> {
+    let is_of = |(quantity, rate): &(String, String)| quantity == channel || rate == channel;
+    let (quantity, rate) = pairs(campaign).into_iter().find(is_of)?;
+    let agree = |run: &Run| {
+        let moved = increments(run, &quantity, &rate);
+        moved.is_some_and(|moved| Line::through(moved.into_iter()).correlation > FOLLOWS)
+    };
+    campaign.runs.iter().all(agree).then(|| if channel == quantity { rate } else { quantity })
 }
 
 /// A rate in another unit than its quantity's, or against it.

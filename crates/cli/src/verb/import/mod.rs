@@ -324,15 +324,16 @@ fn rig(logs: &[(&Path, Log, Survey)]) -> String {
     };
     if joints(logs) > 0 {
         let constant = constant("JOINT.torque_nm");
+        let pieces = match has("torque_nm") {
+            true => {
+                "# window_s = 2.0          # where joints under torques drift away in open loop, `check` says how long pieces to cut\n"
+            }
+            false => "",
+        };
         return format!(
             "bench = \"robot\"            # columns that are called by a joint\n\
              robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
-             actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n{constant}{}",
-            if has("torque_nm") {
-                "# window_s = 2.0          # where joints under torques drift away in open loop, `check` says how long pieces to cut\n"
-            } else {
-                ""
-            }
+             actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n{constant}{pieces}"
         );
     }
     let spring = ["spring_torque_nm", "spring_deflection_rad"].into_iter().any(has);
