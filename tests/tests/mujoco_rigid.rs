@@ -40,6 +40,7 @@ fn command(size: f64, seconds: f64) -> Vec<f64> {
 fn record(inputs: Vec<(&str, Vec<f64>)>) -> Record {
     let rows = inputs[0].1.len();
     Record {
+        cut: false,
         name: "run.csv".to_owned(),
         time_s: (0..rows).map(|i| i as f64 / RATE_HZ).collect(),
         hold: InputHold::ZeroOrder,

@@ -15,6 +15,7 @@ fn record() -> Record {
     let time_s: Vec<f64> = (0..=20_000).map(|n| f64::from(n) * 1e-3).collect();
     let noise = Profile::Noise { rms: 2.5, bandwidth_hz: 60.0, seed: 1 };
     Record {
+        cut: false,
         name: "bench".to_owned(),
         inputs: vec![Signal { channel: "current_a".to_owned(), values: noise.sample(&time_s) }],
         time_s,

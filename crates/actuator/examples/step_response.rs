@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let time_s: Vec<f64> = (0..1000).map(|i| 1e-3 * f64::from(i)).collect();
     let record = Record {
+        cut: false,
         name: "step".to_owned(),
         inputs: vec![Signal { channel: "current_a".to_owned(), values: vec![current_a; time_s.len()] }],
         outputs: Vec::new(),

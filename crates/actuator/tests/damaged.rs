@@ -27,6 +27,7 @@ fn names(file: &str, error: &ActuatorError) {
 fn simulate(model: &dyn Model) {
     for channel in model.inputs() {
         let record = Record {
+            cut: false,
             name: "r".to_owned(),
             time_s: (0..50).map(|i| 2e-3 * f64::from(i)).collect(),
             hold: InputHold::ZeroOrder,

@@ -11,6 +11,7 @@ fn events(spec: ActuatorSpec, current_a: f64) -> Vec<String> {
     let time_s: Vec<f64> = (0..500).map(|i| 1e-3 * f64::from(i)).collect();
     let command = time_s.iter().map(|t| if *t < 0.1 { 0.0 } else { current_a }).collect();
     let record = Record {
+        cut: false,
         name: "step".to_owned(),
         time_s,
         hold: InputHold::ZeroOrder,

@@ -22,6 +22,7 @@ fn command(samples: usize, amplitude: f64) -> Vec<f64> {
 
 fn record(command: &[f64], input: &str) -> Record {
     Record {
+        cut: false,
         name: "test".to_owned(),
         time_s: (0..command.len()).map(|n| n as f64 * PERIOD_S).collect(),
         hold: InputHold::ZeroOrder,

@@ -44,6 +44,7 @@ fn seen(model: &dyn Model) -> Excitation {
 
 fn record(values: Vec<f64>, input: &str) -> Record {
     Record {
+        cut: false,
         name: "test".to_owned(),
         time_s: (0..values.len()).map(|n| n as f64 * 1e-3).collect(),
         hold: InputHold::ZeroOrder,

@@ -67,6 +67,7 @@ fn rigs() -> [(BenchModel, &'static str, f64, Excitation); 4] {
 
 fn record(input: &str, values: Vec<f64>) -> Record {
     Record {
+        cut: false,
         name: "test".to_owned(),
         time_s: (0..values.len()).map(|n| n as f64 * 1e-3).collect(),
         hold: InputHold::ZeroOrder,

@@ -26,7 +26,14 @@ fn model(scenario: &Scenario) -> LegModel {
 
 fn record(seconds: f64, inputs: Vec<Signal>) -> Record {
     let time_s = (0..=(seconds * 1e3).round() as usize).map(|i| i as f64 * 1e-3).collect();
-    Record { name: "run.csv".to_owned(), time_s, hold: InputHold::ZeroOrder, inputs, outputs: Vec::new() }
+    Record {
+        cut: false,
+        name: "run.csv".to_owned(),
+        time_s,
+        hold: InputHold::ZeroOrder,
+        inputs,
+        outputs: Vec::new(),
+    }
 }
 
 fn names() -> Vec<String> {

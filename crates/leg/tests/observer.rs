@@ -36,6 +36,7 @@ fn channels() -> Vec<String> {
 fn recorded(model: &LegModel, more: &[(&str, f64)]) -> Record {
     let time_s: Vec<f64> = (0..=400).map(|i| f64::from(i) * 1e-3).collect();
     let empty = || Record {
+        cut: false,
         name: "run.csv".to_owned(),
         time_s: time_s.clone(),
         hold: InputHold::ZeroOrder,

@@ -38,6 +38,7 @@ fn record(inputs: &[(&str, &dyn Fn(f64) -> f64)], outputs: &[(&str, f64)]) -> Re
     let time_s: Vec<f64> = (0..1500).map(|n| f64::from(n) * 2e-3).collect();
     let signal = |name: &str, values| Signal { channel: name.to_owned(), values };
     Record {
+        cut: false,
         name: "run".to_owned(),
         hold: InputHold::ZeroOrder,
         inputs: inputs.iter().map(|(name, f)| signal(name, time_s.iter().map(|t| f(*t)).collect())).collect(),

@@ -35,6 +35,7 @@ fn record() -> Record {
     // The start on straight lines.
     let line = |(x, v): (f64, f64)| time_s.iter().map(|t| x + v * t).collect::<Vec<f64>>();
     Record {
+        cut: false,
         name: "run".to_owned(),
         hold: InputHold::ZeroOrder,
         inputs: vec![input("shoulder.torque_nm", column(0)), input("elbow.torque_nm", column(1))],

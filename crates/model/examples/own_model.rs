@@ -84,6 +84,7 @@ fn main() -> Result<(), ModelError> {
     };
     let time_s: Vec<f64> = (0..2000).map(|i| 1e-3 * f64::from(i)).collect();
     let record = Record {
+        cut: false,
         name: "a step of 8 N".to_owned(),
         inputs: vec![Signal { channel: "motor_force_n".to_owned(), values: vec![8.0; time_s.len()] }],
         outputs: Vec::new(),

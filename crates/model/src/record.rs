@@ -28,6 +28,9 @@ pub struct Signal {
 pub struct Record {
     /// Where it came from, for messages.
     pub name: String,
+    /// Whether it was cut out of a longer run: it then begins in motion, even where its first rows alone cannot tell that from
+    /// rest.
+    pub cut: bool,
     /// Strictly increasing time stamps, s.
     pub time_s: Vec<f64>,
     /// How the inputs behave between samples.
@@ -97,6 +100,7 @@ impl Record {
         let of = |signals: &[Signal]| signals.iter().map(|s| s.at_rows(rows.clone())).collect();
         Self {
             name: self.name.clone(),
+            cut: self.cut,
             time_s: self.time_s[rows.clone()].to_vec(),
             hold: self.hold,
             inputs: of(&self.inputs),
@@ -191,6 +195,7 @@ mod tests {
         let signal =
             |name: &str, values: [f64; 3]| Signal { channel: name.to_owned(), values: values.to_vec() };
         let record = Record {
+            cut: false,
             name: "run".to_owned(),
             time_s: vec![0.0, 0.1, 0.2],
             hold: InputHold::Linear,

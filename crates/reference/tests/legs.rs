@@ -46,6 +46,7 @@ fn error(made: &MadeLeg, effects: &[Hidden]) -> (f64, String, f64) {
             .map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect())
             .collect();
         let record = Record {
+            cut: false,
             name: run.name.to_owned(),
             time_s: rows.iter().map(|r| r[0]).collect(),
             hold: InputHold::ZeroOrder,

@@ -70,6 +70,7 @@ fn noise(rms: f64, seed: u64) -> Vec<f64> {
 
 fn record(name: &str, force_n: Vec<f64>) -> Record {
     Record {
+        cut: false,
         name: name.to_owned(),
         time_s: times(),
         hold: InputHold::ZeroOrder,

@@ -89,6 +89,7 @@ impl BenchBuilder {
             return Err(Error::Length { channel: channel.to_owned(), rows, expected });
         }
         let record = Record {
+            cut: false,
             name: "bench".to_owned(),
             time_s,
             hold: self.hold,

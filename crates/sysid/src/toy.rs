@@ -152,6 +152,7 @@ pub(crate) fn run(
         })
         .collect();
     let mut record = Record {
+        cut: false,
         name: format!("toy-{seed}"),
         time_s: (0..n).map(|i| 0.005 * i as f64).collect(),
         hold: InputHold::ZeroOrder,

@@ -92,7 +92,7 @@ mod tests {
         let values = braked(truth, &time_s);
         let outputs = vec![Signal { channel: "joint_angle_rad".to_owned(), values }];
         let (name, hold) = ("run".to_owned(), InputHold::ZeroOrder);
-        let record = Record { name, time_s: time_s.clone(), hold, inputs: Vec::new(), outputs };
+        let record = Record { cut: false, name, time_s: time_s.clone(), hold, inputs: Vec::new(), outputs };
         let start = Start { value: 0.1, slope, value_std: 5.0 * NOISE, slope_std, noise: NOISE, rows: 20 };
         let first = FirstRows { channel: "joint_angle_rad".to_owned(), scale: 2.0, start };
         let in_column = |(x, v): (f64, f64)| (x / first.scale, v / first.scale);

@@ -41,7 +41,7 @@ impl RunSetup {
         let position = [("position_m", 1.0), ("joint_angle_rad", arm), ("motor_angle_rad", spec.ratio())];
         let speed = [("speed_m_s", 1.0), ("speed_rad_s", arm)];
         let first_rows_of = |(channel, scale): &(&str, f64)| {
-            let start = start_of(&record.time_s, record.output(channel)?);
+            let start = start_of(&record.time_s, record.output(channel)?, record.cut);
             Some(FirstRows { channel: (*channel).to_owned(), scale: *scale, start })
         };
         let of_position = position.iter().find_map(first_rows_of);
@@ -67,6 +67,7 @@ mod tests {
     fn analytic_a_start_in_motion_is_found() {
         let (time_s, values) = in_motion();
         let mut record = Record {
+            cut: false,
             name: "run".to_owned(),
             time_s,
             hold: InputHold::ZeroOrder,

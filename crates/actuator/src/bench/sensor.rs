@@ -100,6 +100,7 @@ pub fn record(
     let time_s: Vec<f64> = (0..samples as usize).map(|n| n as f64 / recording.rate_hz).collect();
     let input = Signal { channel: recording.input.clone(), values: command.sample(&time_s) };
     let mut record = Record {
+        cut: false,
         name: recording.name.clone(),
         time_s,
         hold: InputHold::ZeroOrder,

@@ -109,6 +109,7 @@ mod tests {
         let time_s: Vec<f64> = (0..4000).map(|n| f64::from(n) * 1e-3).collect();
         let values = time_s.iter().map(|t| (60.0 * t).sin()).collect();
         let record = sealegs_model::Record {
+            cut: false,
             name: "swing".to_owned(),
             time_s,
             hold: sealegs_model::InputHold::ZeroOrder,

@@ -12,6 +12,10 @@ use sealegs_actuator::bench::{LONGEST_S, START_LIMIT, START_STEPS, Start, rows_w
 use sealegs_model::{ModelError, Record};
 use std::sync::Arc;
 
+/// Most steps to a start, and the step (standard deviations of what is known of it) below which it is found.
+const MOST_STEPS: usize = 8;
+const STEP_TOLERANCE: f64 = 1e-3;
+
 /// The start of a record's run.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Begin {
@@ -67,49 +71,69 @@ impl Begin {
         let (mut channels, mut noises, mut unknown, mut rows) = (Vec::new(), Vec::new(), Vec::new(), 0);
         for (joint, of) in robot.joints.iter().enumerate() {
             let channel = of.channel(Column::Position);
-            let start = |channel: &str| record.output(channel).map(|values| start_of(&record.time_s, values));
+            let start = |channel: &str| {
+                record.output(channel).map(|values| start_of(&record.time_s, values, record.cut))
+            };
             let Some(start) = start(&channel) else {
                 at.push((0.0, start(&of.channel(Column::Speed)).map_or(0.0, |speed| speed.value)));
                 continue;
             };
-            let Start { value, mut slope, value_std, mut slope_std, noise, .. } = start;
-            let rough = noise > 0.0 && slope_std > 0.0 && value_std > 0.0;
+            let noise = start.noise;
+            let rough = noise > 0.0 && start.slope_std > 0.0 && start.value_std > 0.0;
             let channel_of_speed = of.channel(Column::Speed);
-            let measured = record.output(&channel_of_speed).filter(|_| rough);
-            if let Some(speed) = measured.map(|values| start_of(&record.time_s, values))
-                && speed.noise > 0.0
-            {
-                let std = speed.value_std.max(speed.noise);
-                // A speed that is filtered, or late, is none.
-                if (speed.value - slope).abs() <= START_LIMIT * slope_std.hypot(std) {
-                    let weight = slope_std.powi(2) / (slope_std.powi(2) + std.powi(2));
-                    slope += weight * (speed.value - slope);
-                    slope_std *= (1.0 - weight).sqrt();
-                    channels.push(channel_of_speed);
-                    noises.push(speed.noise);
-                    rows = rows.max(speed.rows);
-                }
+            let speed = record.output(&channel_of_speed).filter(|_| rough);
+            let told = speed.and_then(|speed| told_by_speed(record, record.output(&channel)?, speed, &start));
+            if let Some((_, of_speed)) = told {
+                channels.push(channel_of_speed);
+                noises.push(of_speed.noise);
+                rows = rows.max(of_speed.rows);
             }
+            let Start { value, slope, value_std, slope_std, .. } = told.map_or(start, |(start, _)| start);
             at.push((value, slope));
             if noise > 0.0 {
                 channels.push(channel);
                 noises.push(noise);
                 rows = rows.max(start.rows);
             }
-            // One at rest is known well.
-            if rough {
-                let of = |(is_speed, std)| Unknown { joint, is_speed, std };
-                unknown.extend([(false, value_std), (true, slope_std)].map(of));
-            }
+            let of = |(is_speed, std)| Unknown { joint, is_speed, std };
+            // The speed of one at rest is known; where it stands is what its rows say on average.
+            let stands = (false, noise / (start.rows.max(1) as f64).sqrt());
+            let unknowns = if rough { vec![(false, value_std), (true, slope_std)] } else { vec![stands] };
+            unknown.extend(unknowns.into_iter().filter(|_| noise > 0.0).map(of));
         }
         if robot.has_loop(&[record]) {
             return Self::known(corrected(record, robot, at));
         }
-        let rows = record.at_rows(0..rows.min(rows_within(&record.time_s, LONGEST_S)));
+        let within = rows_within(&record.time_s, LONGEST_S);
+        let rows = record.at_rows(0..rows.min(within));
         let first = FirstRows { rows, channels, noise: noises };
         let rough = (!unknown.is_empty()).then(|| Rough::of(first, &at, unknown, robot)).flatten();
         Self { at, rough: rough.map(Arc::new) }
     }
+}
+
+/// A joint's start with the help of its measured speed, and that of the speed's own column: what it is at the first row, and where
+/// it leads the first positions back to. `None` where it does not lead from each of them to the next: a speed that is filtered, or
+/// late, is none.
+fn told_by_speed(record: &Record, position: &[f64], speed: &[f64], start: &Start) -> Option<(Start, Start)> {
+    let of_speed = start_of(&record.time_s, speed, true);
+    let rows = start.rows.max(2);
+    let steps = record.time_s[..rows].windows(2).zip(speed.windows(2));
+    let mut gone = vec![0.0];
+    for (t, v) in steps {
+        gone.push(gone[gone.len() - 1] + 0.5 * (v[0] + v[1]) * (t[1] - t[0]));
+    }
+    let back: Vec<f64> = position.iter().zip(&gone).map(|(q, gone)| q - gone).collect();
+    let value = back.iter().sum::<f64>() / rows as f64;
+    let span = record.time_s[rows - 1] - record.time_s[0];
+    // The noise of a speed adds up to a random walk.
+    let walk = of_speed.noise * span / (rows as f64).sqrt();
+    let std = start.noise.hypot(walk);
+    let off = (back.iter().map(|q| (q - value).powi(2)).sum::<f64>() / rows as f64).sqrt();
+    let leads = of_speed.noise > 0.0 && off <= START_LIMIT * std;
+    let slope_std = of_speed.value_std;
+    let value_std = std / (rows as f64).sqrt().max(1.0) + walk;
+    leads.then_some((Start { value, slope: of_speed.value, value_std, slope_std, ..*start }, of_speed))
 }
 
 /// A start of a run whose joints follow goals by loops of their own, corrected by what its first rows show beside the motion of the
@@ -125,7 +149,7 @@ fn corrected(record: &Record, robot: &RobotModel, mut at: Vec<(f64, f64)>) -> Ve
         for ((joint, channel), shown) in joints.iter().zip(&channels).zip(shown) {
             let seen = first.output(channel).unwrap_or_default();
             let left: Vec<f64> = seen.iter().zip(shown).map(|(seen, shown)| seen - shown).collect();
-            let start = start_of(&first.time_s, &left);
+            let start = start_of(&first.time_s, &left, false);
             at[*joint] = (at[*joint].0 + start.value, at[*joint].1 + start.slope);
         }
     }
@@ -149,6 +173,11 @@ impl FirstRows {
     }
 }
 
+/// The normal equations of a start, weighed against what its first rows tell by themselves.
+fn factor(slopes: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    Cholesky::new(slopes.tr_mul(slopes) + DMatrix::identity(slopes.ncols(), slopes.ncols()))
+}
+
 impl Rough {
     /// `None` where the robot as it is stated cannot be simulated over these rows.
     fn of(first: FirstRows, at: &[(f64, f64)], unknown: Vec<Unknown>, robot: &RobotModel) -> Option<Self> {
@@ -160,8 +189,17 @@ impl Rough {
             Some(&before - first.left(robot, &values, &moved).ok()?)
         };
         let slopes = DMatrix::from_columns(&unknown.iter().map(slope).collect::<Option<Vec<_>>>()?);
-        let factor = Cholesky::new(slopes.tr_mul(&slopes) + DMatrix::identity(unknown.len(), unknown.len()))?;
+        let factor = factor(&slopes)?;
         Some(Self { first, unknown, slopes, factor })
+    }
+
+    /// A step of Gauss and Newton from a start so far off, which leaves so much of the first rows; by the robot's slopes as
+    /// it is stated where there are no others.
+    fn step(&self, slopes: Option<&DMatrix<f64>>, left: &DVector<f64>, off: &DVector<f64>) -> DVector<f64> {
+        let by = slopes.unwrap_or(&self.slopes);
+        let right = by.tr_mul(left) - off;
+        let anew = slopes.and_then(factor);
+        anew.as_ref().unwrap_or(&self.factor).solve(&right)
     }
 
     /// A start that is so many standard deviations off.
@@ -198,11 +236,24 @@ impl RobotModel {
         let Some(rough) = begin.rough.as_ref().filter(|_| self.observed.is_none()) else {
             return Ok(begin.at.clone());
         };
+        let left_at = |off: &DVector<f64>| rough.first.left(self, values, &rough.moved(&begin.at, off));
         let mut off = DVector::zeros(rough.unknown.len());
-        for _ in 0..START_STEPS {
-            let left = rough.first.left(self, values, &rough.moved(&begin.at, &off))?;
-            off += rough.factor.solve(&(rough.slopes.tr_mul(&left) - &off));
-            off.apply(|x| *x = x.clamp(-START_LIMIT, START_LIMIT));
+        let mut left = left_at(&off)?;
+        let mut slopes = None;
+        for _ in 0..MOST_STEPS {
+            let step = rough.step(slopes.as_ref(), &left, &off);
+            let next = (&off + step).map(|x| x.clamp(-START_LIMIT, START_LIMIT));
+            let moved = &next - &off;
+            off = next;
+            if moved.amax() < STEP_TOLERANCE {
+                break;
+            }
+            let after = left_at(&off)?;
+            // C. G. Broyden 1965, Mathematics of Computation 19: the least change of the slopes that explains the step.
+            let slopes = slopes.get_or_insert_with(|| rough.slopes.clone());
+            let unexplained = &left - &after - &*slopes * &moved;
+            slopes.ger(1.0 / moved.norm_squared(), &unexplained, &moved, 1.0);
+            left = after;
         }
         Ok(rough.moved(&begin.at, &off))
     }

@@ -369,7 +369,8 @@ impl Model for RobotModel {
 
     /// `None` where loops of the joints' own hold their positions: an error does not grow there.
     fn forgetting(&self, records: &[&Record], memory_s: f64) -> Option<Box<dyn Model>> {
-        if self.has_loop(records) {
+        // A piece of a run forgets at its end.
+        if self.has_loop(records) || records.iter().any(|record| record.cut) {
             return None;
         }
         let period_s = records.iter().map(|record| record.mean_period_s()).fold(0.0, f64::max);

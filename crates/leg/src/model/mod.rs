@@ -407,6 +407,7 @@ impl Model for LegModel {
                 let (period_s, duration_s) = (case.scenario.sample_period_s, case.scenario.duration_s);
                 let samples = (duration_s / period_s).floor() as usize;
                 Record {
+                    cut: false,
                     name: case.record.clone().unwrap_or_default(),
                     time_s: (0..=samples).map(|i| i as f64 * period_s).collect(),
                     hold: InputHold::ZeroOrder,

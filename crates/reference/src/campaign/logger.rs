@@ -101,6 +101,7 @@ impl Logger<'_> {
             Stamp::End => std::iter::once(0.0).chain(command[..command.len() - 1].iter().copied()).collect(),
         };
         Record {
+            cut: false,
             name: name.to_owned(),
             time_s,
             hold: InputHold::ZeroOrder,

@@ -68,6 +68,7 @@ fn simulated_force_ratio(setup: &Setup, call: &Call<'_>) -> Result<f64, Reproduc
     // Rising slowly, so that the free oscillation of the link stays small.
     let values = time_s.iter().map(|t| 500.0 * (t / 5.0).min(1.0) * (TAU * hz * t).sin()).collect();
     let record = Record {
+        cut: false,
         name: "free sprung link".to_owned(),
         time_s: time_s.clone(),
         hold: InputHold::Linear,

@@ -124,6 +124,7 @@ fn driven(input: &str, peak: f64) -> Record {
     let values = time_s.iter().map(command).collect();
     let temperature = time_s.iter().map(|t| COLD_C + WARMING_K * t / DURATION_S).collect();
     Record {
+        cut: false,
         name: "signature".to_owned(),
         time_s,
         hold: InputHold::ZeroOrder,

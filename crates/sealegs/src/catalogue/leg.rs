@@ -48,6 +48,7 @@ fn model() -> Result<LegModel> {
 fn ready() -> Result<Ready> {
     let model = model()?;
     let record = Record {
+        cut: false,
         name: "signature".to_owned(),
         time_s: (0..=(1e3 * DURATION_S) as usize).map(|i| 1e-3 * i as f64).collect(),
         hold: InputHold::ZeroOrder,

@@ -75,6 +75,7 @@ impl Cycle {
         });
         let values: Vec<f64> = values.collect();
         let record = Record {
+            cut: false,
             name: "one slow cycle".to_owned(),
             time_s: (0..values.len()).map(|i| i as f64 * CYCLE_S / CYCLE_SAMPLES as f64).collect(),
             hold: InputHold::Linear,

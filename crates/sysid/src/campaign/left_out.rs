@@ -224,6 +224,7 @@ mod tests {
             .map(|(channel, values)| Signal { channel: channel.to_owned(), values })
             .collect();
         Record {
+            cut: false,
             name: "r".into(),
             time_s: (0..n).map(|i| 1e-3 * i as f64).collect(),
             hold: InputHold::ZeroOrder,

@@ -268,6 +268,7 @@ impl CampaignBuilder {
         }
         let table = sort(run.columns.iter().cloned(), said);
         let record = Record {
+            cut: false,
             name: run.name.clone(),
             time_s: table.time_s,
             hold: self.hold,

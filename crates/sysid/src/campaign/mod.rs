@@ -240,6 +240,7 @@ impl Campaign {
                 let mut table = table::read(&file, folder, run, said).map_err(hinted)?;
                 let notes = std::mem::take(&mut table.notes);
                 let record = Record {
+                    cut: false,
                     name: run.name(),
                     time_s: table.time_s,
                     hold: description.hold,

@@ -342,6 +342,7 @@ mod tests {
             .map(|(channel, values)| sealegs_model::Signal { channel: channel.to_owned(), values })
             .collect();
         let record = sealegs_model::Record {
+            cut: false,
             name: "r".into(),
             time_s: (0..n).map(|i| 1e-3 * i as f64).collect(),
             hold: sealegs_model::InputHold::ZeroOrder,

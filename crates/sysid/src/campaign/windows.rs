@@ -38,7 +38,8 @@ fn pieces(time_s: &[f64], rows: Range<usize>, window_s: f64) -> Vec<Range<usize>
 fn piece(run: &Run, rows: Range<usize>, sample_rate_hz: Option<f64>) -> Run {
     let file = run.path.file_name().map_or_else(|| run.record.name.as_str().into(), |f| f.to_string_lossy());
     let name = format!("{file} from {:.1} s", run.record.time_s[rows.start]);
-    let record = Record { name, ..run.record.at_rows(rows.clone()) };
+    let cut = run.record.cut || rows.start > 0;
+    let record = Record { name, cut, ..run.record.at_rows(rows.clone()) };
     Run {
         scored: 0..record.len(),
         left_out: LeftOut::of(&record),

@@ -240,7 +240,6 @@ fn search<'a>(
     progress: &'a (dyn Fn(Progress) + Sync + 'a),
 ) -> (Found, Option<Option<free_form::Fitted>>, Vec<Port>, Models<'a>) {
     let admitted = models.exact.effects(&models.seen).into_iter().map(|c| c.id).collect();
-    let base_as_searched = first.validation.clone();
     let mut search = search::Search {
         models,
         admitted,
@@ -253,6 +252,7 @@ fn search<'a>(
         progress,
     };
     let best = search.run();
+    let base_as_searched = search.tried[0].validation.clone();
     let best = search.without_contained(best);
     search.confirm_rivals(best);
     let (simplest, _) = search.ties(best);

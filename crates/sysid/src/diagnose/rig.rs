@@ -82,6 +82,7 @@ impl<'a> Rig<'a> {
         let like = self.data.runs.first()?.record;
         let channel = like.inputs.first()?.channel.clone();
         Some(Record {
+            cut: false,
             name: "planned experiment".to_owned(),
             time_s: (0..values.len()).map(|i| i as f64 * period_s).collect(),
             hold: like.hold,

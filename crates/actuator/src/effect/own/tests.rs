@@ -22,6 +22,7 @@ fn record() -> Record {
     let time_s: Vec<f64> = (0..800).map(|n| f64::from(n) * 1e-3).collect();
     let values = time_s.iter().map(|t| 4.0 * (40.0 * t).sin()).collect();
     Record {
+        cut: false,
         name: "test".to_owned(),
         time_s,
         hold: InputHold::ZeroOrder,
