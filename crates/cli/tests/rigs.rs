@@ -331,6 +331,19 @@ fn joints_without_columns_stand_still_and_each_joint_that_has_some_gets_a_drive_
     ]);
     let better = std::fs::read_to_string(path("better.toml")).expect("the model file");
     assert!(better.contains("[hold]") && better.contains("finger = 0.2"), "{better}");
+    // A joint whose columns stand still in every run is held where they say; one number from end to end may be a dead sensor's.
+    for (jitter, is_held) in [(1e-6, true), (0.0, false)] {
+        let mut lines = rows.lines();
+        let mut logged = format!("{},finger.torque_nm,finger.angle_rad\n", lines.next().expect("a header"));
+        for (n, line) in lines.enumerate() {
+            let _ = writeln!(logged, "{line},0.05,{:.7}", 0.3 + if n % 2 == 0 { jitter } else { 0.0 });
+        }
+        write("log.csv", &logged);
+        let done = sealegs(1, &["compare", &path("campaign.toml"), "--as-is"]);
+        let said = String::from_utf8_lossy(&done.stderr);
+        assert_eq!(said.contains("1 of 3 joints stand still, where their columns say"), is_held, "{said}");
+        assert_eq!(said.contains("2 columns of joints that stand still are left out"), is_held, "{said}");
+    }
 }
 
 #[test]

@@ -211,6 +211,64 @@ fn reference_a_noisy_start_is_met_by_the_motion_under_friction() {
     assert!(met < 0.03 && met < 0.1 * rows, "{met} {rows}");
 }
 
+/// Rows of the run with noise of 1 mrad on the angles; with speeds of 5 mrad/s of noise where they come so many rows late.
+fn piece(truth: &[Vec<f64>; 2], rows: std::ops::Range<usize>, late: Option<usize>) -> Record {
+    let whole = Record { cut: true, ..record() };
+    let mut piece = whole.at_rows(rows.clone());
+    let noise = |stream: usize, n: usize| gaussian(stream as u64 + 1, n as i64);
+    for (joint, output) in piece.outputs.iter_mut().enumerate() {
+        output.values = rows.clone().map(|n| truth[joint][n] + 1e-3 * noise(joint, n)).collect();
+    }
+    let speed = |(joint, name): (usize, &str)| {
+        let at = |n: usize| speed_of(&truth[joint], n - late.unwrap_or(0)) + 5e-3 * noise(2 + joint, n);
+        Signal { channel: format!("{name}.speed_rad_s"), values: rows.clone().map(at).collect() }
+    };
+    if late.is_some() {
+        piece.outputs.extend(["shoulder", "elbow"].into_iter().enumerate().map(speed));
+    }
+    piece
+}
+
+/// Speed at a row, rad/s: the difference of its neighbours.
+fn speed_of(angle: &[f64], n: usize) -> f64 {
+    (angle[n + 1] - angle[n - 1]) / 4e-3
+}
+
+#[test]
+fn reference_a_piece_that_begins_at_the_turn_of_a_swing_is_not_at_rest() {
+    let (folder, truth) = (folder(), reference([0.0; 2], 0.0));
+    let turn = (200..1000).find(|&n| speed_of(&truth[0], n) * speed_of(&truth[0], n + 1) < 0.0);
+    let from = turn.expect("a swing") - 4;
+    let rows = from..from + 200;
+    let off = |record: &Record| {
+        let model = model(folder.path()).for_records(&[record]);
+        let got = model.predict(&values(&model), record, &channels()).expect("finite");
+        farthest(&got.outputs[0].values, &truth[0][rows.clone()])
+    };
+    let cut = piece(&truth, rows.clone(), None);
+    let (anywhere, at_rest) = (off(&cut), off(&Record { cut: false, ..cut.clone() }));
+    assert!(anywhere < 5e-3 && anywhere < 0.5 * at_rest, "{anywhere} {at_rest}");
+}
+
+#[test]
+fn reference_a_measured_speed_tells_a_start_and_a_late_one_does_not() {
+    let (folder, truth) = (folder(), reference([0.0; 2], 0.0));
+    let off = |late: Option<usize>| {
+        let from = (100..1300).step_by(50);
+        let squares = from.clone().flat_map(|from| {
+            let record = piece(&truth, from..from + 150, late);
+            let model = model(folder.path()).for_records(&[&record]);
+            let start = model.starts().next().expect("a start").1.to_vec();
+            [0, 1].map(|joint| (start[joint].1 - speed_of(&truth[joint], from)).powi(2))
+        });
+        (squares.sum::<f64>() / (2 * from.count()) as f64).sqrt()
+    };
+    let (by_angles, by_speeds, by_late) = (off(None), off(Some(0)), off(Some(10)));
+    // Eight rows of white noise of 5 mrad/s at most.
+    assert!(by_speeds < 5e-3 && by_speeds < 0.2 * by_angles, "{by_speeds} {by_angles}");
+    assert!(by_late < 1.2 * by_angles, "{by_late} {by_angles}");
+}
+
 #[test]
 fn reference_in_windows_an_error_is_forgotten_and_a_right_model_is_as_in_open_loop() {
     let folder = folder();

@@ -325,7 +325,8 @@ impl Building {
 /// The longest unit's letters: `[mNm/rad]`.
 const LONGEST_UNIT: usize = 9;
 
-const NO_HEADER: &str = "no header: the first row must hold the columns' names";
+const NO_HEADER: &str = "no header: the first row must hold the columns' names; `ros2 topic echo --csv` leaves them out, a bag of `ros2 bag record` \
+                         holds them";
 
 /// What a cell is if not a finite number.
 enum Odd {

@@ -6,6 +6,7 @@
 use crate::LogError;
 use crate::arrays::{Array, into_log};
 use crate::budget::{Budget, MOST_INFLATED};
+use crate::episodes::stacked;
 use crate::fence::fenced;
 use crate::table::{Log, TRUTH};
 use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
@@ -36,7 +37,8 @@ fn read(bytes: Vec<u8>, matlab: bool) -> Result<Log, String> {
     let file = File::from_bytes(bytes).map_err(|e| e.to_string())?;
     let mut found = Found { budget, matlab, objects: 0, arrays: Vec::new(), notes: Vec::new() };
     found.group(&file.root(), "", 0)?;
-    Ok(into_log(if matlab { "MATLAB (HDF5)" } else { "HDF5" }, found.arrays, found.notes))
+    let format = if matlab { "MATLAB (HDF5)" } else { "HDF5" };
+    Ok(into_log(format, stacked(found.arrays), found.notes))
 }
 
 /// What has been found so far.

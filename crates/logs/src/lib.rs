@@ -16,6 +16,7 @@ mod budget;
 pub mod columns;
 mod csv_table;
 mod encoding;
+mod episodes;
 mod error;
 mod fence;
 mod guess;

@@ -56,6 +56,7 @@ pub mod mystery;
 pub mod notes;
 mod options;
 mod report;
+mod robot_columns;
 pub mod robot_model;
 pub mod sanity;
 pub mod schema;

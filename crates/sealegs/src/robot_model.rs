@@ -5,17 +5,15 @@ use crate::campaign_model::{
 };
 use crate::diagnosis::addition::Fitted;
 use crate::diagnosis::plan;
-use crate::{Error, ModelSource, Result};
+use crate::{Error, ModelSource, Result, robot_columns};
+use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::SensorSpec;
-use sealegs_actuator::{ActuatorSpec, Kind};
 use sealegs_leg::bench::{RobotFile, RobotModel};
-use sealegs_leg::robot::{Joint, JointKind, Robot};
 use sealegs_model::Model;
 use sealegs_sysid::Campaign;
 use sealegs_sysid::campaign::Run;
 use sealegs_sysid::diagnose::{Experiment, Limits};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -85,7 +83,7 @@ pub fn of_source(
         }
         ModelSource::Campaign => RobotFile::of_urdf(&stated, &campaign.actuator, campaign.folder()),
     };
-    let file = completed(campaign, file);
+    let file = robot_columns::completed(campaign, file);
     let file = match was_fitted_here(&file.provenance, model, campaign)? {
         true => file.without_fitted_std(),
         false => file,
@@ -112,70 +110,6 @@ pub fn of_source(
     let of_run = |run: &Run| servos.iter().map(|j| (j.clone(), run.rig.servo_gain_of(j))).collect();
     let gains = campaign.runs.iter().map(|run| (run.record.name.clone(), of_run(run))).collect();
     Ok(model.with_servo_gains(gains).for_records(&records))
-}
-
-/// Joints that a remark names.
-const NAMED: usize = 6;
-
-/// A robot's file with what the campaign's columns say beside it. Joints that no column of any run belongs to, and of which the file
-/// says nothing, a hand or wheels, stand still, and a joint of another kind than the drive of all gets one of its own, each with a
-/// remark.
-fn completed(campaign: &mut Campaign, mut file: RobotFile) -> RobotFile {
-    let urdf = file.robot.clone();
-    // Whatever is wrong with the URDF is said where the model is made of it.
-    let Ok(robot) = Robot::load(&file.urdf().display().to_string(), None) else { return file };
-    let records = || campaign.runs.iter().map(|run| &run.record);
-    let signals = records().flat_map(|record| record.inputs.iter().chain(&record.outputs));
-    let logged: BTreeSet<&str> = signals.filter_map(|s| Some(s.channel.rsplit_once('.')?.0)).collect();
-    let said: BTreeSet<&str> = file.drive.keys().map(String::as_str).collect();
-    let at_places = file.parameters.keys().chain(file.effects.iter().map(|effect| &effect.id));
-    let places: BTreeSet<&str> = at_places.filter_map(|id| Some(id.split_once('/')?.0)).collect();
-    let moves =
-        |joint: &&Joint| [&logged, &said, &places].iter().any(|all| all.contains(joint.name.as_str()));
-    let free = robot.moving_joints().filter(|joint| !file.hold.contains_key(&joint.name));
-    let (moving, idle): (Vec<&Joint>, Vec<&Joint>) = free.partition(moves);
-    // One drive cannot suit joints that turn and joints that slide; one that suits none of them is a mistake.
-    if let Ok(drive) = ActuatorSpec::load(&file.actuator, Some(&file.folder)) {
-        let suits = |joint: &&&Joint| (joint.kind == JointKind::Prismatic) == (drive.kind == Kind::Linear);
-        let (other, does) = match drive.kind {
-            Kind::Linear => ("rigid-rotary", "turns"),
-            Kind::Rotary => ("rigid-linear", "slides"),
-        };
-        let odd = moving.iter().filter(|joint| !suits(joint) && moving.iter().any(|j| suits(&j)));
-        let odd: Vec<&&Joint> = odd.filter(|joint| !file.drive.contains_key(&joint.name)).collect();
-        for joint in odd {
-            file.drive.insert(joint.name.clone(), other.to_owned());
-            let what =
-                format!("{urdf}: '{}' {does}: its drive is '{other}', not '{}'", joint.name, file.actuator);
-            note(campaign, what);
-        }
-    }
-    if moving.is_empty() || idle.is_empty() {
-        return file;
-    }
-    let at = |joint: &&Joint| (joint.name.clone(), 0.0_f64.clamp(joint.limits.lower, joint.limits.upper));
-    let all = idle.len() + moving.len() + file.hold.len();
-    file.hold.extend(idle.iter().map(at));
-    let mut names: Vec<&str> = idle.iter().map(|joint| joint.name.as_str()).take(NAMED).collect();
-    let more = format!("and {} more", idle.len().saturating_sub(NAMED));
-    if idle.len() > NAMED {
-        names.push(&more);
-    }
-    let held = format!(
-        "{urdf}: {} of {all} joints stand still, at 0 or the nearest limit, as no column belongs to them: {}; a robot's file may \
-         say where under [hold]",
-        idle.len(),
-        names.join(", ")
-    );
-    note(campaign, held);
-    file
-}
-
-/// Adds a remark to a campaign, once.
-fn note(campaign: &mut Campaign, what: String) {
-    if !campaign.notes.contains(&what) {
-        campaign.notes.push(what);
-    }
 }
 
 impl CampaignModel for RobotModel {

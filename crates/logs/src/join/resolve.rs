@@ -3,9 +3,7 @@
 use super::{At, File, JoinError, Request, Wanted, column, names, table};
 use crate::LogError;
 use crate::columns::ColumnMap;
-
-/// The column of LeRobot's tables that says to which recording a row belongs.
-const EPISODE: &str = "episode_index";
+use crate::episodes::EPISODE;
 
 /// Leaves the rows of one episode in every table that has such.
 pub(super) fn keep_episode(files: &mut [File], episode: i64) -> Result<(), JoinError> {

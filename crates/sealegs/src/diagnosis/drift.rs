@@ -3,13 +3,15 @@
 
 use super::outcome::Side;
 use sealegs_model::{Model, Unit};
+use sealegs_sysid::data::Evaluation;
+use sealegs_sysid::fit::{self, FitOptions};
 use sealegs_sysid::{Campaign, Data, Role, residual, stats};
 
 /// Share of a position's own standard deviation that a model leaves of it from which on it has gone astray: the error of a
 /// motion that a force drives grows with the square of the time, and soon says little of the force.
 const ASTRAY: f64 = 0.2;
 
-/// The same of a model that was not fitted, whose values may be placeholders: what it leaves is more than the motion itself.
+/// The same where the model diverges: what it leaves is more than the motion itself.
 const FAR_ASTRAY: f64 = 1.0;
 
 /// Integration steps per sampling period of such a look.
@@ -21,6 +23,36 @@ const PIECES: (f64, f64) = (10.0, 0.5);
 /// Pieces that the longest run must make to be worth cutting: fewer are hardly shorter than the runs that its user gave, or than
 /// pieces that it was cut into before.
 const FEWEST_PIECES: f64 = 5.0;
+
+/// The fit runs, and a model that is simulated with longer steps.
+struct Look<'a> {
+    campaign: &'a Campaign,
+    data: Data<'a>,
+    coarse: Box<dyn Model>,
+}
+
+impl<'a> Look<'a> {
+    fn of(campaign: &'a Campaign, model: &dyn Model) -> Option<Self> {
+        let coarse = model.coarser(STEPS_PER_SAMPLE);
+        let data =
+            campaign.bench.may_begin_in_motion().then(|| Data::new(campaign, Some(Role::Fit), model))?;
+        Some(Self { campaign, data: data.ok()?, coarse })
+    }
+
+    /// How far the model goes astray with its own values, where it misses by more than a joint moves.
+    fn as_it_stands(&self) -> Option<Astray> {
+        let values: Vec<f64> = self.coarse.parameters().iter().map(|p| p.value).collect();
+        self.far_astray(&self.data.evaluate(self.coarse.as_ref(), &values).ok()?)
+    }
+
+    /// How far a model goes astray that misses by more than a joint moves, where the runs are long enough to be cut.
+    fn far_astray(&self, at: &Evaluation) -> Option<Astray> {
+        let left = residual::by_channel(&self.data, at);
+        let astray =
+            Astray::of(self.campaign, Role::Fit, left.iter().map(|of| (of.channel.as_str(), of.rms)))?;
+        (astray.share > FAR_ASTRAY && astray.is_worth_cutting()).then_some(astray)
+    }
+}
 
 /// How far a joint goes astray in open loop.
 pub(crate) struct Astray {
@@ -63,16 +95,15 @@ impl Astray {
     /// Of a model as it stands, on the fit runs, where they are long enough to be cut: a refit of what diverges takes long and
     /// says little.
     pub(crate) fn before_a_fit(campaign: &Campaign, model: &dyn Model) -> Option<Self> {
-        if !campaign.bench.may_begin_in_motion() {
-            return None;
-        }
-        let data = Data::new(campaign, Some(Role::Fit), model).ok()?;
-        let coarse = model.coarser(STEPS_PER_SAMPLE);
-        let values: Vec<f64> = coarse.parameters().iter().map(|p| p.value).collect();
-        let left = residual::by_channel(&data, &data.evaluate(coarse.as_ref(), &values).ok()?);
-        let left = left.iter().map(|error| (error.channel.as_str(), error.rms));
-        let astray = Self::of(campaign, Role::Fit, left)?;
-        (astray.share > FAR_ASTRAY && astray.is_worth_cutting()).then_some(astray)
+        Look::of(campaign, model)?.as_it_stands()
+    }
+
+    /// The same of one that diverges as it stands, once it was refitted.
+    pub(super) fn after_a_fit(campaign: &Campaign, model: &dyn Model) -> Option<Self> {
+        let look = Look::of(campaign, model)?;
+        look.as_it_stands()?;
+        let options = FitOptions { starts: 1, ..FitOptions::of(look.coarse.as_ref()) };
+        look.far_astray(&fit::fit(&look.data, look.coarse.as_ref(), &options).ok()?.evaluation)
     }
 
     /// Whether the runs are long enough to be cut.

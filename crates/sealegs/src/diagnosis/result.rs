@@ -35,7 +35,8 @@ pub struct Diagnosis {
 /// Finds the physical effect that the campaign's model, or that of the options, lacks.
 ///
 /// Where a joint under a force goes astray in open loop and nothing explains that, its runs are cut into pieces that each begin
-/// at the measured state, and it is diagnosed again; the first reason of its confidence says so.
+/// at the measured state, and it is diagnosed again; where the refitted model misses by more than the joint moves they are cut
+/// before anything is searched. The first reason of its confidence says so.
 ///
 /// A campaign of a bench takes seconds to minutes, one of a leg minutes; [`Options::on_progress`] tells what is tried and
 /// [`Options::stop`] ends it.
@@ -60,20 +61,40 @@ pub struct Diagnosis {
 /// [`Options::force`]), [`Error::Stopped`](crate::Error::Stopped).
 pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diagnosis> {
     let (started, options) = (Instant::now(), options.into());
-    let mut diagnosis = diagnosed(campaign.clone(), &options)?;
-    if let Some(astray) = diagnosis.hidden_by_drift() {
+    let mut diagnosis = None;
+    let diverges = diverges(campaign.clone(), &options)?;
+    if let Some(astray) = &diverges {
+        options.tell(&format!("diagnosing in pieces of {:.1} s", astray.piece_s));
+        diagnosis = in_pieces(campaign, astray, &options)?;
+    }
+    let mut diagnosis = match diagnosis {
+        Some(diagnosis) => diagnosis,
+        None => diagnosed(campaign.clone(), &options)?,
+    };
+    if let Some(astray) = diagnosis.hidden_by_drift().filter(|_| diverges.is_none()) {
         options.tell(&format!("diagnosing again in pieces of {:.1} s", astray.piece_s));
-        match diagnosed(campaign.cut_into(astray.piece_s), &options) {
-            Ok(mut again) if again.found.verdict.kind != VerdictKind::Unexplained => {
-                again.outcome.confidence.reasons.insert(0, astray.cut());
-                diagnosis = again;
-            }
-            Err(Error::Stopped) => return Err(Error::Stopped),
-            // Pieces that say no more, or that cannot be simulated, take nothing from the verdict on whole runs.
-            Ok(_) | Err(_) => {}
-        }
+        diagnosis = in_pieces(campaign, &astray, &options)?.unwrap_or(diagnosis);
     }
     Ok(Diagnosis { took: started.elapsed(), ..diagnosis })
+}
+
+/// How far the refitted model goes astray, where it misses by more than the joint moves.
+fn diverges(mut campaign: Campaign, options: &Options) -> Result<Option<Astray>> {
+    let model = campaign_model::of_source(&mut campaign, &options.model, &options.own_effects)?;
+    let stoppable = Stoppable::new(model.as_ref(), options);
+    unless_stopped(options, Ok::<_, Error>(Astray::after_a_fit(&campaign, &stoppable)))
+}
+
+/// The diagnosis of a campaign's runs in pieces. None where they say no more than whole runs, or cannot be simulated.
+fn in_pieces(campaign: &Campaign, astray: &Astray, options: &Options) -> Result<Option<Diagnosis>> {
+    match diagnosed(campaign.cut_into(astray.piece_s), options) {
+        Ok(mut found) if found.found.verdict.kind != VerdictKind::Unexplained => {
+            found.outcome.confidence.reasons.insert(0, astray.cut());
+            Ok(Some(found))
+        }
+        Err(Error::Stopped) => Err(Error::Stopped),
+        Ok(_) | Err(_) => Ok(None),
+    }
 }
 
 /// The diagnosis of a campaign as it is.

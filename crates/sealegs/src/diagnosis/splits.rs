@@ -5,6 +5,9 @@ use sealegs_sysid::diagnose::{Diagnosis, VerdictKind};
 use sealegs_sysid::{Campaign, Role, flips};
 use serde::Serialize;
 
+/// Runs that a sentence names.
+const MOST_NAMED: usize = 4;
+
 /// How the choice changes when each fit run is left out in turn.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Splits {
@@ -59,8 +62,14 @@ impl Splits {
             [] => "the base model".to_owned(),
             effects => effects.join(" + "),
         };
+        let without = |left_out: &[String]| match left_out {
+            [first, .., _] if left_out.len() > MOST_NAMED => {
+                format!("any of {} runs ({first} is the first)", left_out.len())
+            }
+            few => few.join(" or "),
+        };
         let one =
-            |other: &OtherChoice| format!("{} without {}", set(&other.effects), other.left_out.join(" or "));
+            |other: &OtherChoice| format!("{} without {}", set(&other.effects), without(&other.left_out));
         let others: Vec<String> = self.others.iter().map(one).collect();
         (!others.is_empty()).then(|| {
             format!(
@@ -88,6 +97,12 @@ mod tests {
             splits: 1,
             left_out: vec!["fit_2.csv".to_owned()],
         };
+        let pieces = (0..6).map(|n| format!("fit.csv from {n}.0 s")).collect();
+        let often = OtherChoice { splits: 6, left_out: pieces, ..other.clone() };
+        let said = Splits { splits: 9, choose_named: 3, others: vec![often] }.reservation(&named);
+        assert!(said.is_some_and(|said| {
+            said.contains("without any of 6 runs (fit.csv from 0.0 s is the first), and")
+        }));
         let flips = Splits { splits: 3, choose_named: 2, others: vec![other] };
         assert_eq!(
             flips.reservation(&named).as_deref(),

@@ -14,6 +14,9 @@ const STEPS_PER_SAMPLE: f64 = 4.0;
 /// Correlation from which a column follows its model: the rig moves.
 pub(super) const FOLLOWS: f64 = 0.5;
 
+/// Runs that a finding names.
+const MOST_NAMED: usize = 4;
+
 /// A pair with the line through it.
 pub(super) struct Seen<'a> {
     pub pair: Pair<'a>,
@@ -96,15 +99,34 @@ pub(super) fn by_channel<'s, 'a>(seen: &'s [Seen<'a>]) -> Vec<(&'a str, Vec<&'s 
     all
 }
 
-/// `in all 4 runs`, `in fit.csv and check.csv`.
+/// `in all 4 runs`, `in fit.csv and check.csv`, `in 7 of 9 runs (fit.csv is the first)`.
 pub(super) fn in_runs(campaign: &Campaign, runs: &[usize], of: usize) -> String {
     let names: Vec<&str> = runs.iter().map(|&r| campaign.runs[r].record.name.as_str()).collect();
     match names.as_slice() {
         [one] if of == 1 => format!("in {one}"),
         all if all.len() == of => format!("in all {of} runs"),
+        [first, ..] if names.len() > MOST_NAMED => {
+            format!("in {} of {of} runs ({first} is the first)", names.len())
+        }
         [first @ .., last] if !first.is_empty() => format!("in {} and {last}", first.join(", ")),
         other => format!("in {} only", other.concat()),
     }
+}
+
+/// Those of some runs whose log shows the same in most of its pieces in which the column moves: a log is wired one way from its
+/// beginning to its end, and over a short piece a wrong model runs against it by chance.
+fn throughout(campaign: &Campaign, marked: &[usize], moving: &[usize]) -> Vec<usize> {
+    let of_log = |runs: &[usize], log: usize| {
+        let path = &campaign.runs[log].path;
+        runs.iter().filter(|&&run| campaign.runs[run].path == *path).count()
+    };
+    let most = |&run: &usize| 2 * of_log(marked, run) > of_log(moving, run);
+    marked.iter().copied().filter(most).collect()
+}
+
+/// The runs in which a column moves.
+fn moving(seen: &[Seen], channel: &str) -> Vec<usize> {
+    seen.iter().filter(|s| s.pair.channel == channel && s.moves()).map(|s| s.pair.run).collect()
 }
 
 /// Standard deviation of measured less predicted values.
@@ -172,11 +194,15 @@ fn swapped(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
         }
     }
     let mut found = Vec::new();
-    for (a, b, marks, at) in pairs {
-        at.into_iter().for_each(|k| seen[k].judged = true);
-        let runs: Vec<usize> = marks.iter().map(|m| m.run).collect();
-        let of = seen.iter().filter(|s| s.pair.channel == a && s.moves()).count();
+    for (a, b, mut marks, at) in pairs {
+        let marked: Vec<usize> = marks.iter().map(|m| m.run).collect();
+        let moving = moving(seen, &a);
+        let runs = throughout(campaign, &marked, &moving);
+        marks.retain(|m| runs.contains(&m.run));
         let strength = stats::median(&marks.iter().map(|m| m.strength).collect::<Vec<_>>());
+        for k in at {
+            seen[k].judged |= runs.contains(&seen[k].pair.run);
+        }
         found.extend(finding(
             Problem::SwappedColumns,
             strength,
@@ -185,7 +211,7 @@ fn swapped(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
             format!(
                 "`{a}` and `{b}` fit each other's prediction {} times better than their own, {}: exchanged?",
                 short(strength),
-                in_runs(campaign, &runs, of)
+                in_runs(campaign, &runs, moving.len())
             ),
             format!("exchange the names of `{a}` and `{b}` in the header"),
         ));
@@ -235,9 +261,9 @@ fn signs_and_units(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
     let mut found = Vec::new();
     let all_of_command = command(campaign, seen, &told, &mut found);
     for (channel, of) in by_channel(seen) {
-        let moving = of.iter().filter(|s| s.moves()).count();
+        let moving = moving(seen, channel);
         for problem in [Problem::FlippedSign, Problem::UnitFactor, Problem::OddScale] {
-            let marks: Vec<Mark> = seen
+            let mut marks: Vec<Mark> = seen
                 .iter()
                 .zip(&told)
                 .filter(|(s, _)| s.pair.channel == channel && !all_of_command.contains(&s.pair.run))
@@ -246,8 +272,11 @@ fn signs_and_units(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
                     (p == problem).then_some(Mark { run: s.pair.run, strength, line: s.line })
                 })
                 .collect();
+            let marked: Vec<usize> = marks.iter().map(|m| m.run).collect();
+            let runs = throughout(campaign, &marked, &moving);
+            marks.retain(|m| runs.contains(&m.run));
             let counts = of.iter().all(|s| are_counts(s.pair.measured));
-            found.extend(of_marks(campaign, problem, channel, &marks, moving, counts));
+            found.extend(of_marks(campaign, problem, channel, &marks, moving.len(), counts));
         }
     }
     for (s, told) in seen.iter_mut().zip(told) {
@@ -353,10 +382,12 @@ fn command(
             runs.push((index, stats::median(&slopes), r));
         }
     }
+    let marked: Vec<usize> = runs.iter().map(|r| r.0).collect();
+    let explained = throughout(campaign, &marked, &(0..campaign.runs.len()).collect::<Vec<_>>());
+    runs.retain(|r| explained.contains(&r.0));
     let Some(&(first, ..)) = runs.first() else { return Vec::new() };
     let slope = stats::median(&runs.iter().map(|r| r.1).collect::<Vec<_>>());
     let r = stats::median(&runs.iter().map(|r| r.2).collect::<Vec<_>>());
-    let explained: Vec<usize> = runs.iter().map(|r| r.0).collect();
     let channel = campaign.runs[first].record.inputs[0].channel.clone();
     let place = in_runs(campaign, &explained, campaign.runs.len());
     let sign = if slope < 0.0 { "-" } else { "" };

@@ -56,6 +56,25 @@ fn a_flipped_sign_is_said_with_its_slope_and_stops() {
 }
 
 #[test]
+fn what_one_piece_of_a_log_shows_and_the_others_do_not_is_no_wiring() {
+    let mut campaign = good();
+    let negate = |run: &mut crate::campaign::Run| {
+        let force = run.record.outputs.iter_mut().find(|s| s.channel == "force_1_n").unwrap();
+        force.values.iter_mut().for_each(|v| *v = -*v);
+    };
+    negate(&mut campaign.runs[1]);
+    // The runs of this campaign are of one file.
+    assert_eq!(look(&campaign, &Toy::new()), []);
+    campaign.runs[1].path = "another.csv".into();
+    let found = only(&campaign);
+    assert!(found.problem == Problem::FlippedSign && found.evidence.contains("toy-4"), "{found:?}");
+    // In most of its pieces.
+    campaign.runs[1].path = campaign.runs[0].path.clone();
+    negate(&mut campaign.runs[2]);
+    assert_eq!(only(&campaign).problem, Problem::FlippedSign);
+}
+
+#[test]
 fn analytic_a_column_that_hardly_moves_says_nothing_of_its_sign() {
     use against::{Seen, of_line};
     use pair::Pair;
