@@ -235,22 +235,6 @@ fn speed_of(angle: &[f64], n: usize) -> f64 {
 }
 
 #[test]
-fn reference_a_piece_that_begins_at_the_turn_of_a_swing_is_not_at_rest() {
-    let (folder, truth) = (folder(), reference([0.0; 2], 0.0));
-    let turn = (200..1000).find(|&n| speed_of(&truth[0], n) * speed_of(&truth[0], n + 1) < 0.0);
-    let from = turn.expect("a swing") - 4;
-    let rows = from..from + 200;
-    let off = |record: &Record| {
-        let model = model(folder.path()).for_records(&[record]);
-        let got = model.predict(&values(&model), record, &channels()).expect("finite");
-        farthest(&got.outputs[0].values, &truth[0][rows.clone()])
-    };
-    let cut = piece(&truth, rows.clone(), None);
-    let (anywhere, at_rest) = (off(&cut), off(&Record { cut: false, ..cut.clone() }));
-    assert!(anywhere < 5e-3 && anywhere < 0.5 * at_rest, "{anywhere} {at_rest}");
-}
-
-#[test]
 fn reference_a_measured_speed_tells_a_start_and_a_late_one_does_not() {
     let (folder, truth) = (folder(), reference([0.0; 2], 0.0));
     let off = |late: Option<usize>| {

@@ -226,6 +226,22 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn analytic_a_piece_at_the_turn_of_a_swing_is_in_motion_and_says_how_well_that_is_known() {
+        // Too slow to be told from rest.
+        let slow = 0.02_f64;
+        let phase = (slow / std::f64::consts::PI).acos();
+        let (mut at_rest, mut held) = (0, 0);
+        for seed in 0..100 {
+            let (time_s, values) = swing(phase, 3e-4, seed);
+            at_rest += i32::from(start_of(&time_s, &values, false).slope_std == 0.0);
+            let cut = start_of(&time_s, &values, true);
+            let off = [(cut.slope - slow) / cut.slope_std, (cut.value - 0.5 * phase.sin()) / cut.value_std];
+            held += i32::from(cut.slope_std > 0.0 && off.iter().all(|off| off.abs() < 2.0));
+        }
+        assert!(at_rest > 50 && held > 90, "{at_rest} {held}");
+    }
+
+    #[test]
     fn rest_is_rest_and_little_is_taken_as_it_is() {
         let time_s: Vec<f64> = (0..100).map(|n| f64::from(n) * 0.01).collect();
         let begins = |rows: usize, values: &[f64]| {

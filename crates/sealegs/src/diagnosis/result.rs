@@ -61,33 +61,26 @@ pub struct Diagnosis {
 /// [`Options::force`]), [`Error::Stopped`](crate::Error::Stopped).
 pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diagnosis> {
     let (started, options) = (Instant::now(), options.into());
-    let mut diagnosis = None;
-    let diverges = diverges(campaign.clone(), &options)?;
-    if let Some(astray) = &diverges {
-        options.tell(&format!("diagnosing in pieces of {:.1} s", astray.piece_s));
-        diagnosis = in_pieces(campaign, astray, &options)?;
-    }
-    let mut diagnosis = match diagnosis {
+    let whole = Ready::of(campaign.clone(), &options)?;
+    let diverges = whole.diverges(&options)?;
+    let in_time = match &diverges {
+        Some(astray) => in_pieces(campaign, astray, &options)?,
+        None => None,
+    };
+    let mut diagnosis = match in_time {
         Some(diagnosis) => diagnosis,
-        None => diagnosed(campaign.clone(), &options)?,
+        None => whole.diagnosed(&options)?,
     };
     if let Some(astray) = diagnosis.hidden_by_drift().filter(|_| diverges.is_none()) {
-        options.tell(&format!("diagnosing again in pieces of {:.1} s", astray.piece_s));
         diagnosis = in_pieces(campaign, &astray, &options)?.unwrap_or(diagnosis);
     }
     Ok(Diagnosis { took: started.elapsed(), ..diagnosis })
 }
 
-/// How far the refitted model goes astray, where it misses by more than the joint moves.
-fn diverges(mut campaign: Campaign, options: &Options) -> Result<Option<Astray>> {
-    let model = campaign_model::of_source(&mut campaign, &options.model, &options.own_effects)?;
-    let stoppable = Stoppable::new(model.as_ref(), options);
-    unless_stopped(options, Ok::<_, Error>(Astray::after_a_fit(&campaign, &stoppable)))
-}
-
 /// The diagnosis of a campaign's runs in pieces. None where they say no more than whole runs, or cannot be simulated.
 fn in_pieces(campaign: &Campaign, astray: &Astray, options: &Options) -> Result<Option<Diagnosis>> {
-    match diagnosed(campaign.cut_into(astray.piece_s), options) {
+    options.tell(&format!("diagnosing in pieces of {:.1} s", astray.piece_s));
+    match Ready::of(campaign.cut_into(astray.piece_s), options).and_then(|ready| ready.diagnosed(options)) {
         Ok(mut found) if found.found.verdict.kind != VerdictKind::Unexplained => {
             found.outcome.confidence.reasons.insert(0, astray.cut());
             Ok(Some(found))
@@ -97,36 +90,57 @@ fn in_pieces(campaign: &Campaign, astray: &Astray, options: &Options) -> Result<
     }
 }
 
-/// The diagnosis of a campaign as it is.
-fn diagnosed(mut campaign: Campaign, options: &Options) -> Result<Diagnosis> {
-    let model = campaign_model::of_source(&mut campaign, &options.model, &options.own_effects)?;
-    campaign.require(Role::Fit)?;
-    campaign.require(Role::Holdout)?;
-    let per_unit = units::per_unit(&campaign, model.as_ref())?;
-    let stoppable = Stoppable::new(per_unit.as_ref(), options);
-    let wrong = sanity::look(&campaign, &stoppable);
-    crate::sanity::gate(&campaign.file, &wrong, options.force)?;
-    let found = diagnose::diagnose(&campaign, &stoppable, &|p| options.tell(&message(&p)));
-    let found = unless_stopped(options, found)?;
-    options.tell("planning the next experiment");
-    let experiment = diagnose::next_experiment(&campaign, &found, model.limits(&campaign));
-    let experiment = unless_stopped(options, experiment)?;
-    let provenance = Provenance::of_campaign(&campaign, model.name(), &options.files())?;
-    let kind = found.verdict.kind;
-    let next = match &experiment {
-        Some(e) => e.sentence.clone(),
-        None if kind == VerdictKind::Unexplained => {
-            "No effect is named, so there is nothing for an experiment to tell apart.".to_owned()
-        }
-        None => "There is nothing to tell apart, so no experiment is proposed.".to_owned(),
-    };
-    if matches!(kind, VerdictKind::Unexplained | VerdictKind::PartlyExplained) {
-        campaign.notes.extend(not_tried(model.as_ref()));
+/// A campaign with its model, and what is wrong with its log.
+struct Ready {
+    campaign: Campaign,
+    model: Box<dyn CampaignModel>,
+    wrong: Vec<sanity::Finding>,
+}
+
+impl Ready {
+    /// Refuses a campaign that cannot be diagnosed.
+    fn of(mut campaign: Campaign, options: &Options) -> Result<Self> {
+        let model = campaign_model::of_source(&mut campaign, &options.model, &options.own_effects)?;
+        campaign.require(Role::Fit)?;
+        campaign.require(Role::Holdout)?;
+        let per_unit = units::per_unit(&campaign, model.as_ref())?;
+        let wrong = sanity::look(&campaign, &Stoppable::new(per_unit.as_ref(), options));
+        crate::sanity::gate(&campaign.file, &wrong, options.force)?;
+        Ok(Self { campaign, model, wrong })
     }
-    let outcome = Outcome::new(&campaign, &found, next, wrong, provenance);
-    let (label, command) = (options.model.label(&campaign), options.command_of("sealegs::diagnose"));
-    let took = Duration::ZERO;
-    Ok(Diagnosis { campaign, model: model.into(), found, experiment, outcome, label, command, took })
+
+    /// How far the refitted model goes astray, where it misses by more than a joint moves.
+    fn diverges(&self, options: &Options) -> Result<Option<Astray>> {
+        let stoppable = Stoppable::new(self.model.as_ref(), options);
+        unless_stopped(options, Ok::<_, Error>(Astray::after_a_fit(&self.campaign, &stoppable)))
+    }
+
+    fn diagnosed(self, options: &Options) -> Result<Diagnosis> {
+        let Self { mut campaign, model, wrong } = self;
+        let per_unit = units::per_unit(&campaign, model.as_ref())?;
+        let stoppable = Stoppable::new(per_unit.as_ref(), options);
+        let found = diagnose::diagnose(&campaign, &stoppable, &|p| options.tell(&message(&p)));
+        let found = unless_stopped(options, found)?;
+        options.tell("planning the next experiment");
+        let experiment = diagnose::next_experiment(&campaign, &found, model.limits(&campaign));
+        let experiment = unless_stopped(options, experiment)?;
+        let provenance = Provenance::of_campaign(&campaign, model.name(), &options.files())?;
+        let kind = found.verdict.kind;
+        let next = match &experiment {
+            Some(e) => e.sentence.clone(),
+            None if kind == VerdictKind::Unexplained => {
+                "No effect is named, so there is nothing for an experiment to tell apart.".to_owned()
+            }
+            None => "There is nothing to tell apart, so no experiment is proposed.".to_owned(),
+        };
+        if matches!(kind, VerdictKind::Unexplained | VerdictKind::PartlyExplained) {
+            campaign.notes.extend(not_tried(model.as_ref()));
+        }
+        let outcome = Outcome::new(&campaign, &found, next, wrong, provenance);
+        let (label, command) = (options.model.label(&campaign), options.command_of("sealegs::diagnose"));
+        let took = Duration::ZERO;
+        Ok(Diagnosis { campaign, model: model.into(), found, experiment, outcome, label, command, took })
+    }
 }
 
 /// What the catalogue does not offer a model, of what is common at joints: whoever reads that no effect explains the runs must

@@ -63,7 +63,7 @@ fn what_one_piece_of_a_log_shows_and_the_others_do_not_is_no_wiring() {
         force.values.iter_mut().for_each(|v| *v = -*v);
     };
     negate(&mut campaign.runs[1]);
-    // The runs of this campaign are of one file.
+    campaign.runs.iter_mut().for_each(|run| run.path = "log.csv".into());
     assert_eq!(look(&campaign, &Toy::new()), []);
     campaign.runs[1].path = "another.csv".into();
     let found = only(&campaign);
