@@ -228,7 +228,7 @@ pub(super) mod tests {
     #[test]
     fn analytic_a_piece_at_the_turn_of_a_swing_is_in_motion_and_says_how_well_that_is_known() {
         // Too slow to be told from rest.
-        let slow = 0.02_f64;
+        let slow = 0.006_f64;
         let phase = (slow / std::f64::consts::PI).acos();
         let (mut at_rest, mut held) = (0, 0);
         for seed in 0..100 {

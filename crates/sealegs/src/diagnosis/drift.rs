@@ -20,6 +20,14 @@ const STEPS_PER_SAMPLE: f64 = 4.0;
 /// Pieces that the longest run is proposed to be cut into, and the shortest one, s.
 const PIECES: (f64, f64) = (10.0, 0.5);
 
+/// The same pieces where the model diverges, as a share of these, and the shortest of them, s: in 0.3 s the error of an arm that stands
+/// upright grows some tenfold, from what its start is known within to a few times the noise.
+const FAR_SHORTER: f64 = 0.5;
+const FAR_SHORTEST_S: f64 = 0.3;
+
+/// Fewest rows of such a piece: the first ones tell its start. At 100 Hz pieces of 30 rows left 28 noise units after a bad start.
+const FAR_ROWS: f64 = 50.0;
+
 /// Pieces that the longest run must make to be worth cutting: fewer are hardly shorter than the runs that its user gave, or than
 /// pieces that it was cut into before.
 const FEWEST_PIECES: f64 = 5.0;
@@ -50,7 +58,11 @@ impl<'a> Look<'a> {
         let left = residual::by_channel(&self.data, at);
         let astray =
             Astray::of(self.campaign, Role::Fit, left.iter().map(|of| (of.channel.as_str(), of.rms)))?;
-        (astray.share > FAR_ASTRAY && astray.is_worth_cutting()).then_some(astray)
+        let periods = self.campaign.runs_of(Role::Fit).map(|run| run.record.mean_period_s());
+        let shortest_s = FAR_SHORTEST_S.max(FAR_ROWS * periods.fold(0.0, f64::max));
+        // As it is said.
+        let piece_s = (10.0 * (astray.piece_s * FAR_SHORTER).max(shortest_s)).round() / 10.0;
+        (astray.share > FAR_ASTRAY && astray.is_worth_cutting()).then_some(Astray { piece_s, ..astray })
     }
 }
 
