@@ -227,7 +227,7 @@ pub(super) mod tests {
 
     #[test]
     fn analytic_a_piece_at_the_turn_of_a_swing_is_in_motion_and_says_how_well_that_is_known() {
-        // Too slow to be told from rest.
+        // So slow that it is taken for rest now and then.
         let slow = 0.006_f64;
         let phase = (slow / std::f64::consts::PI).acos();
         let (mut at_rest, mut held) = (0, 0);
@@ -238,7 +238,7 @@ pub(super) mod tests {
             let off = [(cut.slope - slow) / cut.slope_std, (cut.value - 0.5 * phase.sin()) / cut.value_std];
             held += i32::from(cut.slope_std > 0.0 && off.iter().all(|off| off.abs() < 2.0));
         }
-        assert!(at_rest > 50 && held > 90, "{at_rest} {held}");
+        assert!(at_rest > 10 && held > 90, "{at_rest} {held}");
     }
 
     #[test]
