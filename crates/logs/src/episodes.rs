@@ -2,10 +2,10 @@
 //! as in LeRobot's tables, with a column that says to which one a row belongs.
 
 use crate::arrays::Array;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The column that says to which recording a row belongs, as LeRobot names it.
-pub(crate) const EPISODE: &str = "episode_index";
+pub const EPISODE: &str = "episode_index";
 
 /// What groups of recordings are called. `joint_0` and `joint_1` are none.
 const RECORDINGS: [&str; 12] = [
@@ -45,7 +45,7 @@ fn number(group: &str, inside: Option<&str>) -> Option<u32> {
 
 /// Arrays with those of two recordings and more one under another: what every recording has, row by row as often as most of its arrays
 /// have rows. All others stay as they are.
-pub(crate) fn stacked(arrays: Vec<Array>) -> Vec<Array> {
+pub(crate) fn stacked(mut arrays: Vec<Array>) -> Vec<Array> {
     let mut recordings: BTreeMap<u32, Vec<(String, usize)>> = BTreeMap::new();
     for (i, array) in arrays.iter().enumerate() {
         if let Some((name, number)) = place(&array.name).filter(|_| !array.first_fastest) {
@@ -84,11 +84,11 @@ pub(crate) fn stacked(arrays: Vec<Array>) -> Vec<Array> {
     }];
     for (name, of) in &members {
         let shape = [&[all], &arrays[of[0]].shape[1..]].concat();
-        let values = of.iter().flat_map(|&i| arrays[i].values.iter().copied()).collect();
+        let values = of.iter().flat_map(|&i| std::mem::take(&mut arrays[i].values)).collect();
         let holds = arrays[of[0]].holds.clone();
         out.push(Array { name: (*name).to_owned(), shape, first_fastest: false, values, holds });
     }
-    let taken: Vec<usize> = members.into_values().flatten().collect();
+    let taken: BTreeSet<usize> = members.into_values().flatten().collect();
     out.extend(arrays.into_iter().enumerate().filter(|(i, _)| !taken.contains(i)).map(|(_, array)| array));
     out
 }

@@ -42,6 +42,7 @@ mod topics;
 mod units;
 mod zip;
 
+pub use episodes::EPISODE;
 pub use error::{LogError, Place, place};
 pub use guess::is_time;
 pub use open::{Format, parse, read};

@@ -22,16 +22,16 @@ pub(crate) fn completed(campaign: &mut Campaign, mut file: RobotFile) -> RobotFi
     let Ok(robot) = Robot::load(&file.urdf().display().to_string(), None) else { return file };
     let logged = logged(campaign);
     let places = said(&file);
-    let free = |file: &RobotFile| -> Vec<Joint> {
-        robot.moving_joints().filter(|joint| !file.hold.contains_key(&joint.name)).cloned().collect()
+    let free = |file: &RobotFile| -> Vec<&Joint> {
+        robot.moving_joints().filter(|joint| !file.hold.contains_key(&joint.name)).collect()
     };
-    let still =
-        standing(campaign, &free(&file).iter().filter(|j| !places.contains(&j.name)).collect::<Vec<_>>());
+    let mut unsaid = free(&file);
+    unsaid.retain(|joint| !places.contains(&joint.name));
+    let still = standing(campaign, &unsaid);
     let all = robot.moving_joints().count();
     hold(campaign, &mut file, (&still, all), "where their columns say, which move in no run");
     let moves = |joint: &&Joint| logged.contains(&joint.name) || places.contains(&joint.name);
-    let free = free(&file);
-    let (moving, idle): (Vec<&Joint>, Vec<&Joint>) = free.iter().partition(moves);
+    let (moving, idle): (Vec<&Joint>, Vec<&Joint>) = free(&file).into_iter().partition(moves);
     suit(campaign, &mut file, &moving);
     if !moving.is_empty() {
         let at = |joint: &&Joint| (joint.name.clone(), 0.0_f64.clamp(joint.limits.lower, joint.limits.upper));

@@ -2,12 +2,12 @@
 //! motion meets them best, weighed against what they tell.
 //!
 //! As on a bench of one drive ([`sealegs_actuator::bench`]), for all joints together: they move one another. What a change of
-//! the start does to the first rows is taken from the robot without effects, so that a simulation costs no more than twice these
-//! rows beside the run; what is missed by that, the second step sees.
+//! the start does to the first rows is taken from the robot without effects at first, and corrected by what each step shows, so that
+//! a step costs one simulation of these rows.
 
 use super::RobotModel;
 use super::joint::Column;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use sealegs_actuator::bench::{LONGEST_S, START_LIMIT, START_STEPS, Start, rows_within, start_of};
 use sealegs_model::{ModelError, Record};
 use std::sync::Arc;
@@ -40,8 +40,6 @@ struct Rough {
     unknown: Vec<Unknown>,
     /// Change of the first rows (row by row, column by column, over the noise) per standard deviation of what is unknown.
     slopes: DMatrix<f64>,
-    /// Of the normal equations.
-    factor: Cholesky<f64, Dyn>,
 }
 
 /// Position or speed of a joint, with the standard deviation of what the rows tell of it.
@@ -173,9 +171,11 @@ impl FirstRows {
     }
 }
 
-/// The normal equations of a start, weighed against what its first rows tell by themselves.
-fn factor(slopes: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
-    Cholesky::new(slopes.tr_mul(slopes) + DMatrix::identity(slopes.ncols(), slopes.ncols()))
+/// A step of Gauss and Newton from a start so far off, which leaves so much of the first rows, weighed against what these tell by
+/// themselves.
+fn step(slopes: &DMatrix<f64>, left: &DVector<f64>, off: &DVector<f64>) -> Option<DVector<f64>> {
+    let normal = slopes.tr_mul(slopes) + DMatrix::identity(slopes.ncols(), slopes.ncols());
+    Some(Cholesky::new(normal)?.solve(&(slopes.tr_mul(left) - off)))
 }
 
 impl Rough {
@@ -189,17 +189,7 @@ impl Rough {
             Some(&before - first.left(robot, &values, &moved).ok()?)
         };
         let slopes = DMatrix::from_columns(&unknown.iter().map(slope).collect::<Option<Vec<_>>>()?);
-        let factor = factor(&slopes)?;
-        Some(Self { first, unknown, slopes, factor })
-    }
-
-    /// A step of Gauss and Newton from a start so far off, which leaves so much of the first rows; by the robot's slopes as
-    /// it is stated where there are no others.
-    fn step(&self, slopes: Option<&DMatrix<f64>>, left: &DVector<f64>, off: &DVector<f64>) -> DVector<f64> {
-        let by = slopes.unwrap_or(&self.slopes);
-        let right = by.tr_mul(left) - off;
-        let anew = slopes.and_then(factor);
-        anew.as_ref().unwrap_or(&self.factor).solve(&right)
+        Some(Self { first, unknown, slopes })
     }
 
     /// A start that is so many standard deviations off.
@@ -239,9 +229,9 @@ impl RobotModel {
         let left_at = |off: &DVector<f64>| rough.first.left(self, values, &rough.moved(&begin.at, off));
         let mut off = DVector::zeros(rough.unknown.len());
         let mut left = left_at(&off)?;
-        let mut slopes = None;
+        let mut slopes = rough.slopes.clone();
         for _ in 0..MOST_STEPS {
-            let step = rough.step(slopes.as_ref(), &left, &off);
+            let Some(step) = step(&slopes, &left, &off) else { break };
             let next = (&off + step).map(|x| x.clamp(-START_LIMIT, START_LIMIT));
             let moved = &next - &off;
             off = next;
@@ -250,8 +240,7 @@ impl RobotModel {
             }
             let after = left_at(&off)?;
             // C. G. Broyden 1965, Mathematics of Computation 19: the least change of the slopes that explains the step.
-            let slopes = slopes.get_or_insert_with(|| rough.slopes.clone());
-            let unexplained = &left - &after - &*slopes * &moved;
+            let unexplained = &left - &after - &slopes * &moved;
             slopes.ger(1.0 / moved.norm_squared(), &unexplained, &moved, 1.0);
             left = after;
         }

@@ -32,6 +32,11 @@ const FAR_ROWS: f64 = 50.0;
 /// pieces that it was cut into before.
 const FEWEST_PIECES: f64 = 5.0;
 
+/// A length of pieces as a sentence says it, to a tenth of a second.
+fn as_said(piece_s: f64) -> f64 {
+    (10.0 * piece_s).round() / 10.0
+}
+
 /// The fit runs, and a model that is simulated with longer steps.
 struct Look<'a> {
     campaign: &'a Campaign,
@@ -60,8 +65,7 @@ impl<'a> Look<'a> {
             Astray::of(self.campaign, Role::Fit, left.iter().map(|of| (of.channel.as_str(), of.rms)))?;
         let periods = self.campaign.runs_of(Role::Fit).map(|run| run.record.mean_period_s());
         let shortest_s = FAR_SHORTEST_S.max(FAR_ROWS * periods.fold(0.0, f64::max));
-        // As it is said.
-        let piece_s = (10.0 * (astray.piece_s * FAR_SHORTER).max(shortest_s)).round() / 10.0;
+        let piece_s = as_said((astray.piece_s * FAR_SHORTER).max(shortest_s));
         (astray.share > FAR_ASTRAY && astray.is_worth_cutting()).then_some(Astray { piece_s, ..astray })
     }
 }
@@ -99,8 +103,7 @@ impl Astray {
         let (channel, share) =
             furthest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share > ASTRAY)?;
         let longest_s = campaign.runs_of(Role::Fit).map(|run| run.record.duration_s()).fold(0.0, f64::max);
-        // As it is said.
-        let piece_s = (10.0 * (longest_s / PIECES.0).max(PIECES.1)).round() / 10.0;
+        let piece_s = as_said((longest_s / PIECES.0).max(PIECES.1));
         Some(Self { channel: channel.to_owned(), share, piece_s, longest_s })
     }
 

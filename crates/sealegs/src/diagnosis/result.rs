@@ -77,7 +77,8 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
     Ok(Diagnosis { took: started.elapsed(), ..diagnosis })
 }
 
-/// The diagnosis of a campaign's runs in pieces. None where they say no more than whole runs, or cannot be simulated.
+/// The diagnosis of a campaign's runs in pieces. None where they say no more than whole runs, or cannot be simulated: that takes
+/// nothing from a verdict on whole runs.
 fn in_pieces(campaign: &Campaign, astray: &Astray, options: &Options) -> Result<Option<Diagnosis>> {
     options.tell(&format!("diagnosing in pieces of {:.1} s", astray.piece_s));
     match Ready::of(campaign.cut_into(astray.piece_s), options).and_then(|ready| ready.diagnosed(options)) {
@@ -94,6 +95,8 @@ fn in_pieces(campaign: &Campaign, astray: &Astray, options: &Options) -> Result<
 struct Ready {
     campaign: Campaign,
     model: Box<dyn CampaignModel>,
+    /// The model with values for each unit.
+    per_unit: Box<dyn Model>,
     wrong: Vec<sanity::Finding>,
 }
 
@@ -106,7 +109,7 @@ impl Ready {
         let per_unit = units::per_unit(&campaign, model.as_ref())?;
         let wrong = sanity::look(&campaign, &Stoppable::new(per_unit.as_ref(), options));
         crate::sanity::gate(&campaign.file, &wrong, options.force)?;
-        Ok(Self { campaign, model, wrong })
+        Ok(Self { campaign, model, per_unit, wrong })
     }
 
     /// How far the refitted model goes astray, where it misses by more than a joint moves.
@@ -116,8 +119,7 @@ impl Ready {
     }
 
     fn diagnosed(self, options: &Options) -> Result<Diagnosis> {
-        let Self { mut campaign, model, wrong } = self;
-        let per_unit = units::per_unit(&campaign, model.as_ref())?;
+        let Self { mut campaign, model, per_unit, wrong } = self;
         let stoppable = Stoppable::new(per_unit.as_ref(), options);
         let found = diagnose::diagnose(&campaign, &stoppable, &|p| options.tell(&message(&p)));
         let found = unless_stopped(options, found)?;

@@ -113,15 +113,21 @@ pub(super) fn in_runs(campaign: &Campaign, runs: &[usize], of: usize) -> String 
     }
 }
 
-/// Those of some runs whose log shows the same in most of its pieces in which the column moves: a log is wired one way from its
-/// beginning to its end, and over a short piece a wrong model runs against it by chance.
-fn throughout(campaign: &Campaign, marked: &[usize], moving: &[usize]) -> Vec<usize> {
+/// Keeps the marks of runs whose log shows the same in most of its pieces in which the column moves: a log is wired one way from
+/// its beginning to its end, and over a short piece a wrong model runs against it by chance. Returns their runs.
+fn keep_throughout<T>(
+    campaign: &Campaign,
+    marks: &mut Vec<T>,
+    run_of: impl Fn(&T) -> usize,
+    moving: &[usize],
+) -> Vec<usize> {
+    let marked: Vec<usize> = marks.iter().map(&run_of).collect();
     let of_log = |runs: &[usize], log: usize| {
         let path = &campaign.runs[log].path;
         runs.iter().filter(|&&run| campaign.runs[run].path == *path).count()
     };
-    let most = |&run: &usize| 2 * of_log(marked, run) > of_log(moving, run);
-    marked.iter().copied().filter(most).collect()
+    marks.retain(|mark| 2 * of_log(&marked, run_of(mark)) > of_log(moving, run_of(mark)));
+    marks.iter().map(run_of).collect()
 }
 
 /// The runs in which a column moves.
@@ -195,10 +201,8 @@ fn swapped(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
     }
     let mut found = Vec::new();
     for (a, b, mut marks, at) in pairs {
-        let marked: Vec<usize> = marks.iter().map(|m| m.run).collect();
         let moving = moving(seen, &a);
-        let runs = throughout(campaign, &marked, &moving);
-        marks.retain(|m| runs.contains(&m.run));
+        let runs = keep_throughout(campaign, &mut marks, |m| m.run, &moving);
         let strength = stats::median(&marks.iter().map(|m| m.strength).collect::<Vec<_>>());
         for k in at {
             seen[k].judged |= runs.contains(&seen[k].pair.run);
@@ -272,9 +276,7 @@ fn signs_and_units(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
                     (p == problem).then_some(Mark { run: s.pair.run, strength, line: s.line })
                 })
                 .collect();
-            let marked: Vec<usize> = marks.iter().map(|m| m.run).collect();
-            let runs = throughout(campaign, &marked, &moving);
-            marks.retain(|m| runs.contains(&m.run));
+            keep_throughout(campaign, &mut marks, |m| m.run, &moving);
             let counts = of.iter().all(|s| are_counts(s.pair.measured));
             found.extend(of_marks(campaign, problem, channel, &marks, moving.len(), counts));
         }
@@ -382,9 +384,8 @@ fn command(
             runs.push((index, stats::median(&slopes), r));
         }
     }
-    let marked: Vec<usize> = runs.iter().map(|r| r.0).collect();
-    let explained = throughout(campaign, &marked, &(0..campaign.runs.len()).collect::<Vec<_>>());
-    runs.retain(|r| explained.contains(&r.0));
+    let all: Vec<usize> = (0..campaign.runs.len()).collect();
+    let explained = keep_throughout(campaign, &mut runs, |r| r.0, &all);
     let Some(&(first, ..)) = runs.first() else { return Vec::new() };
     let slope = stats::median(&runs.iter().map(|r| r.1).collect::<Vec<_>>());
     let r = stats::median(&runs.iter().map(|r| r.2).collect::<Vec<_>>());

@@ -8,7 +8,7 @@ use clap::Args;
 use parts::{Parts, parts};
 use sealegs::diagnosis::text::figures;
 use sealegs::logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey_named};
-use sealegs::logs::{Log, Place, lerobot};
+use sealegs::logs::{EPISODE, Log, Place, lerobot};
 use sealegs::sysid::campaign::INPUT_COLUMNS;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -298,7 +298,7 @@ const MOST_EPISODES: usize = 12;
 
 /// The episodes in a log, where its rows belong to several.
 fn episodes(log: &Log) -> Vec<i64> {
-    let column = log.tables.iter().find_map(|table| table.column("episode_index"));
+    let column = log.tables.iter().find_map(|table| table.column(EPISODE));
     let values = column.map(|c| c.values.iter().filter(|v| v.is_finite()).map(|v| *v as i64));
     let all: BTreeSet<i64> = values.into_iter().flatten().collect();
     if all.len() > 1 { all.into_iter().collect() } else { Vec::new() }
