@@ -39,7 +39,7 @@ impl Campaign {
 
     /// A campaign of arrays.
     #[staticmethod]
-    #[pyo3(signature = (name, bench, model, runs, noise_std, inputs, hold, sample_rate_hz, window_s))]
+    #[pyo3(signature = (name, bench, model, runs, noise_std, inputs, hold, sample_rate_hz, window_s, gravity_compensated))]
     #[allow(clippy::too_many_arguments, reason = "the Python package names them")]
     fn build(
         py: Python<'_>,
@@ -52,9 +52,12 @@ impl Campaign {
         hold: &str,
         sample_rate_hz: Option<f64>,
         window_s: Option<f64>,
+        gravity_compensated: bool,
     ) -> PyResult<Self> {
         let bench = bench_of(bench)?;
-        let mut builder = sealegs::Campaign::builder(name, bench, model).hold(hold_of(hold)?);
+        let mut builder = sealegs::Campaign::builder(name, bench, model)
+            .hold(hold_of(hold)?)
+            .gravity_compensated(gravity_compensated);
         for (channel, std) in noise_std {
             builder = builder.noise_std(channel, std);
         }

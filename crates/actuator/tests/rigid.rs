@@ -26,6 +26,9 @@ fn servo() -> BenchModel {
     spec.motor.winding_resistance_ohm = Some(1.9);
     spec.motor.supply_v = Some(7.4);
     spec.servo = Some(ServoSpec {
+        proportional_nm_per_rad: None,
+        derivative_nm_s_per_rad: 0.0,
+        torque_limit_nm: None,
         proportional_per_rad: 1.2,
         derivative_s_per_rad: 0.0,
         integral_per_rad_s: 0.0,

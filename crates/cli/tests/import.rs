@@ -258,3 +258,62 @@ fn a_dataset_of_lerobot_becomes_a_robot_with_a_run_for_each_episode() {
     let record = &campaign.runs[0].record;
     assert!(record.input("pan.position_rad").is_some() && record.output("lift.angle_rad").is_some());
 }
+
+/// A lift that slides, and a shoulder and an elbow on it that turn.
+const LIFT: &str = r#"<robot name="arm">
+  <link name="base"/>
+  <link name="a"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="b"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="c"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="arm_lift_joint" type="prismatic"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="1" effort="100" velocity="1"/></joint>
+  <joint name="arm_shoulder_joint" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint>
+  <joint name="arm_elbow_joint" type="continuous"><parent link="b"/><child link="c"/><axis xyz="0 1 0"/></joint>
+</robot>"#;
+
+#[test]
+fn with_a_urdf_columns_get_the_names_of_its_joints() {
+    let folder = tempfile::tempdir().unwrap();
+    let (urdf, log, out) =
+        (folder.path().join("arm.urdf"), folder.path().join("log.csv"), folder.path().join("new"));
+    std::fs::write(&urdf, LIFT).unwrap();
+    let rows = |header: &str| {
+        let wave = |n: i32| f64::from(n % 7) * 0.1;
+        let row = |n: i32| {
+            format!("{},{},{},{},{}\n", f64::from(n) * 0.01, wave(n), wave(n + 1), wave(n + 2), wave(n + 3))
+        };
+        std::fs::write(&log, format!("{header}\n{}", (0..40).map(row).collect::<String>())).unwrap();
+        let _ = std::fs::remove_dir_all(&out);
+        said(&["import", text(&urdf), text(&log), "-o", text(&out)]);
+        std::fs::read_to_string(out.join("campaign.toml")).unwrap()
+    };
+    let written = rows("t,elbow_pos,lift_pos,elbow_tau_J_d,lift_tau_J_d");
+    for line in [
+        "robot = \"../arm.urdf\"",
+        "gravity_compensated = true",
+        "\"elbow_pos\" = \"arm_elbow_joint.angle_rad\"",
+        "\"lift_pos\" = \"arm_lift_joint.position_m\"",
+        "\"lift_tau_J_d\" = \"arm_lift_joint.force_n\"",
+    ] {
+        assert!(written.contains(line), "{line}: {written}");
+    }
+    // A name that says nothing is a joint by its order, which somebody has to look at.
+    let written = rows("t,q[0],q[1],q[2],tau[2]");
+    for line in [
+        "\"q[0]\" = \"arm_lift_joint.position_m\"",
+        "\"tau[2]\" = \"arm_elbow_joint.torque_nm\"",
+        "by its order",
+    ] {
+        assert!(written.contains(line), "{line}: {written}");
+    }
+    assert!(!written.contains("gravity_compensated"), "{written}");
+    for (arguments, word) in [
+        (vec!["import", text(&urdf)], "no log file"),
+        (vec!["import", text(&urdf), text(&urdf), text(&log)], "second URDF"),
+    ] {
+        let done = sealegs(1, &arguments);
+        let message = String::from_utf8(done.stderr).unwrap();
+        assert_eq!(done.status.code(), Some(2), "{message}");
+        assert!(message.contains(word), "{message}");
+    }
+}

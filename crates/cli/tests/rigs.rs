@@ -397,3 +397,100 @@ fn a_robots_columns_and_files_are_refused_by_name() {
     assert_eq!(done.status.code(), Some(2), "{error}");
     assert!(error.contains("drive.toml: a campaign on the robot bench needs a model file"), "{error}");
 }
+
+/// A joint that swings an arm, with what is in its campaign file beside the runs.
+struct Swing<'a> {
+    drive: &'a str,
+    said: &'a str,
+    columns: &'a str,
+}
+
+/// Writes two runs of an arm of 1.2 kg on 0.5 m under a torque by row number, angle and speed, with 0.05 kg m^2 of rotor, 0.15 N m s/rad
+/// and so much dry friction; `told` is what the log says of the command. Its campaign is in the folder.
+fn swings(
+    folder: &Path,
+    swing: &Swing,
+    dry: f64,
+    torque: impl Fn(usize, usize, f64, f64) -> f64,
+    told: impl Fn(usize, usize) -> f64,
+) {
+    let (mass, length, armature, viscous) = (1.2, 0.5, 0.05, 0.15);
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("written");
+    let mut seed = 11;
+    let mut campaign = format!(
+        "bench = \"robot\"\nrobot = \"arm.urdf\"\nactuator = \"hip.toml\"\n{}\n[noise_std]\n\"hip.angle_rad\" = 1e-4\n\n",
+        swing.said
+    );
+    for run in 0..2 {
+        let force =
+            |n: usize, x: f64, v: f64| torque(run, n, x, v) - mass * 9.81 * length * x.sin() - viscous * v;
+        let x = move_one(2000, 2e-3, (0.0, 0.0), armature + mass * length * length, force, dry);
+        let mut text = format!("time_s,{},hip.angle_rad\n", swing.columns);
+        for (n, x) in x.iter().enumerate() {
+            let angle = x + 1e-4 * normal(&mut seed);
+            let _ = writeln!(text, "{:.4},{:.6},{angle:.6}", n as f64 * 2e-3, told(run, n));
+        }
+        write(&format!("run{run}.csv"), &text);
+        let role = if run == 1 { "holdout" } else { "fit" };
+        let _ = write!(campaign, "[[run]]\nfile = \"run{run}.csv\"\nrole = \"{role}\"\n\n");
+    }
+    write("campaign.toml", &campaign);
+    write("arm.urdf", &arm("hip", mass, length));
+    let hip = "id = \"hip\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 0.1\n\
+               rotor_inertia_kg_m2 = 0.04\nrotor_damping_nm_s = 0.2\n[transmission]\ntype = \"direct\"\n";
+    write("hip.toml", &format!("{hip}{}", swing.drive));
+}
+
+#[test]
+fn a_joint_under_impedance_control_with_hidden_friction_is_diagnosed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Goals as a policy sends them, every 20 ms.
+    let goal = |run: usize, n: usize| {
+        let (t, pace) = ((n / 10) as f64 * 0.02, [2.3, 3.1][run]);
+        0.5 * (pace * t).sin() + 0.25 * (2.7 * pace * t).sin()
+    };
+    let swing = Swing {
+        drive: "[servo]\nproportional_nm_per_rad = 25.0\nderivative_nm_s_per_rad = 0.8\ntorque_limit_nm = 20.0\n",
+        said: "",
+        columns: "hip.position_rad",
+    };
+    let torque =
+        |run: usize, n: usize, x: f64, v: f64| (25.0 * (goal(run, n) - x) - 0.8 * v).clamp(-20.0, 20.0);
+    swings(folder.path(), &swing, 0.6, torque, goal);
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let result = path("result.json");
+    well(&["diagnose", &path("campaign.toml"), "--json", &result]);
+    let found = json(Path::new(&result));
+    assert_eq!(found["effects"], serde_json::json!(["hip/coulomb-friction"]), "{}", found["sentence"]);
+    let got = parameter(&found["after"], "hip/coulomb-friction.force_nm");
+    assert!((got / 0.6 - 1.0).abs() < 0.02, "{got}");
+}
+
+#[test]
+fn torques_that_a_controller_adds_against_gravity_are_in_the_model() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let told = |run: usize, n: usize| {
+        let (t, pace) = (n as f64 * 2e-3, [2.3, 3.1][run]);
+        0.6 * (pace * t).cos() - 0.3 * (2.1 * pace * t).sin()
+    };
+    let weight = |x: f64| 1.2 * 9.81 * 0.5 * x.sin();
+    let error = |said: &str| {
+        let swing = Swing { drive: "", said, columns: "hip.torque_nm" };
+        // The controller adds it once in a row.
+        let held = std::cell::Cell::new((usize::MAX, 0.0));
+        let torque = |run: usize, n: usize, x: f64, _: f64| {
+            if held.get().0 != n {
+                held.set((n, told(run, n) + weight(x)));
+            }
+            held.get().1
+        };
+        swings(folder.path(), &swing, 0.0, torque, told);
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        let result = path("result.json");
+        well(&["compare", &path("campaign.toml"), "--json", &result]);
+        json(Path::new(&result))["after"]["fit_error"].as_f64().expect("an error")
+    };
+    assert!(error("") > 100.0);
+    let with = error("gravity_compensated = true\n");
+    assert!(with < 1.5, "{with}");
+}

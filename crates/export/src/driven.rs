@@ -23,8 +23,10 @@ pub enum Command {
     Effort,
     /// A voltage at the winding.
     Voltage(Winding),
-    /// A goal of the drive's own position loop.
+    /// A goal of the drive's own position loop, which sets a voltage.
     Goal(Winding, Servo),
+    /// The same of one that commands a torque.
+    Impedance(Servo),
 }
 
 /// Where a rotor meets its joint: at a series spring, or in a transmission that yields or has play. In the drive's own
@@ -106,7 +108,7 @@ impl DrivenRobot {
         };
         let plant = model.plant(&values, input)?;
         let mut command = command_of(&plant);
-        if let (Command::Goal(_, servo), Some(setup)) = (&mut command, setup) {
+        if let (Command::Goal(_, servo) | Command::Impedance(servo), Some(setup)) = (&mut command, setup) {
             servo.proportional *= setup.servo_gain;
         }
         let slides = model.spec().kind == Kind::Linear && !matches!(bench, Bench::Pendulum(_));
@@ -116,7 +118,7 @@ impl DrivenRobot {
             (_, false) => (1.0, "shaft"),
         };
         let mut drive = BenchDescription::of_plant(model, &values, &plant, input, Output::Held);
-        if let (Command::Goal(..), Some(servo)) = (&command, &model.spec().servo) {
+        if let (Command::Goal(..) | Command::Impedance(_), Some(servo)) = (&command, &model.spec().servo) {
             drive.effects.splice(0..0, of_servo(servo));
         }
         let channels = drive.channels.iter().map(|c| ((*c).to_owned(), (*c).to_owned())).collect();
@@ -247,11 +249,16 @@ impl DrivenJoint {
         drive
     }
 
+    /// The greatest torque that a loop's command comes to, as a force along `y` of a drive with these numbers.
+    pub fn most_of(&self, servo: &Servo, drive: &BenchDescription) -> f64 {
+        (drive.gain * servo.limit.min(drive.command_limit().unwrap_or(f64::INFINITY))).abs()
+    }
+
     /// The winding at the joint, where the command is a voltage or a goal: torque per current, which is also the back-EMF
     /// per speed, and resistance.
     pub fn winding(&self) -> Option<(f64, f64)> {
         match &self.command {
-            Command::Effort => None,
+            Command::Effort | Command::Impedance(_) => None,
             Command::Voltage(w) | Command::Goal(w, _) => {
                 Some((w.force_per_current * self.arm, w.resistance_ohm))
             }
@@ -297,7 +304,8 @@ fn command_of(plant: &Plant) -> Command {
     match (plant.winding, plant.servo) {
         (Some(winding), Some(servo)) => Command::Goal(winding, servo),
         (Some(winding), None) => Command::Voltage(winding),
-        (None, _) => Command::Effort,
+        (None, Some(servo)) => Command::Impedance(servo),
+        (None, None) => Command::Effort,
     }
 }
 

@@ -80,8 +80,15 @@ fn command(joint: &DrivenJoint, reach: Reach, notes: &mut Vec<Note>) {
         Command::Goal(..) if reach == Reach::Armature => {
             Note::held(what, "stiffness and damping of the actuator's configuration; back-EMF as viscous_friction")
         }
+        Command::Impedance(_) if reach == Reach::Armature => {
+            Note::held(what, "stiffness, damping and effort_limit of the actuator's configuration")
+        }
+        Command::Impedance(servo) => {
+            let [stiffness, damping] = [servo.proportional, servo.derivative].map(|k| num(k * drive.gain * joint.arm * joint.arm));
+            Note::lost(what, format!("the loop is yours to close: {stiffness} N m per rad of error, {damping} N m s per rad"))
+        }
         Command::Goal(_, servo) => {
-            let per_rad = num(gain_of(joint, servo.proportional * servo.supply_v) * joint.arm);
+            let per_rad = num(gain_of(joint, servo.proportional * servo.supply_v.unwrap_or(1.0)) * joint.arm);
             Note::lost(what, format!("the loop is yours to close: {per_rad} N m per rad of error; the back-EMF is the joint's damping"))
         }
     });
@@ -110,12 +117,21 @@ fn bring(driven_joint: &DrivenJoint, joint: &Joint, reach: Reach, made: &mut Rig
         effort = bench.command_limit().map_or(f64::INFINITY, |limit| limit * constant.abs());
     }
     if let Command::Goal(_, servo) = &driven_joint.command {
-        effort = effort.min(gain_of(driven_joint, servo.duty_limit * servo.supply_v).abs());
+        effort = effort.min(gain_of(driven_joint, servo.limit * servo.supply_v.unwrap_or(1.0)).abs());
         drive.delay_s += servo.feedback_delay_s;
         if reach == Reach::Armature {
             // The loop is one of the drive's own travel.
-            let at_joint =
-                |per_travel: f64| gain_of(driven_joint, per_travel * servo.supply_v) * driven_joint.arm;
+            let at_joint = |per_travel: f64| {
+                gain_of(driven_joint, per_travel * servo.supply_v.unwrap_or(1.0)) * driven_joint.arm
+            };
+            (drive.spring, drive.derivative) = (at_joint(servo.proportional), at_joint(servo.derivative));
+        }
+    }
+    if let Command::Impedance(servo) = &driven_joint.command {
+        effort = driven_joint.most_of(servo, &bench);
+        drive.delay_s += servo.feedback_delay_s;
+        if reach == Reach::Armature {
+            let at_joint = |per_travel: f64| per_travel * bench.gain * driven_joint.arm;
             (drive.spring, drive.derivative) = (at_joint(servo.proportional), at_joint(servo.derivative));
         }
     }

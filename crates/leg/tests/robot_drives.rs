@@ -130,6 +130,67 @@ fn reference_a_joint_that_follows_goals_is_as_on_its_bench() {
     assert!(error(2.5e-4) < 0.5 * error(1e-3), "{} {}", error(2.5e-4), error(1e-3));
 }
 
+/// A joint under impedance control: 30 N m/rad, 0.4 N m s/rad, 6 N m at most.
+const IMPEDANCE: &str = "id = \"impedance\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 1.0\n\
+                         rotor_inertia_kg_m2 = 0.004\nrotor_damping_nm_s = 0.01\n[transmission]\ntype = \"direct\"\n[servo]\n\
+                         proportional_nm_per_rad = 30.0\nderivative_nm_s_per_rad = 0.4\ntorque_limit_nm = 6.0\n";
+
+#[test]
+fn reference_a_joint_under_impedance_control_is_as_on_its_bench() {
+    let speed = |t: f64| (goal(t + 1e-4) - goal(t - 1e-4)) / 2e-4;
+    let added = |t: f64| if t > 1.0 { 0.8 } else { 0.0 };
+    let record = record(
+        &[
+            ("hinge.position_rad", &goal),
+            ("hinge.goal_speed_rad_s", &|t| speed(t).clamp(-5.0, 5.0)),
+            ("hinge.feedforward_nm", &added),
+        ],
+        &[("hinge.angle_rad", 0.0)],
+    );
+    let error = |drive: &str, step_s: f64| off(drive, &record, None, step_s);
+    assert!(error(IMPEDANCE, 5e-4) < 1e-3, "{}", error(IMPEDANCE, 5e-4));
+    assert!(error(IMPEDANCE, 2.5e-4) < 0.5 * error(IMPEDANCE, 1e-3));
+    // A loop that samples at 500 Hz and sees its joint late rings more than one that does not.
+    let sampled = format!("{IMPEDANCE}rate_hz = 500.0\nfeedback_delay_s = 0.002\n");
+    assert!(error(&sampled, 2.5e-4) < 3e-3, "{}", error(&sampled, 2.5e-4));
+    let moves = |drive: &str| {
+        let folder = folder();
+        let arm = at_rest(robot(folder.path(), ARM, drive), &record);
+        arm.predict(&values(&arm), &record, &["hinge.angle_rad".to_owned()]).expect("finite").outputs
+    };
+    assert!(farthest(&moves(&sampled)[0].values, &moves(IMPEDANCE)[0].values) > 5e-3);
+}
+
+#[test]
+fn a_joint_under_impedance_control_says_what_it_takes() {
+    let folder = folder();
+    let arm = robot(folder.path(), ARM, IMPEDANCE);
+    let told = |columns: &[&str]| {
+        record(&columns.iter().map(|c| (*c, &goal as &dyn Fn(f64) -> f64)).collect::<Vec<_>>(), &[])
+    };
+    let beside = told(&["hinge.position_rad", "hinge.goal_speed_rad_s"]);
+    assert_eq!(arm.refuses_input(&beside, "hinge.goal_speed_rad_s"), None);
+    // Beside a torque there is no loop, and a hobby servo's takes neither.
+    let torque = told(&["hinge.torque_nm", "hinge.feedforward_nm"]);
+    assert!(arm.refuses_input(&torque, "hinge.feedforward_nm").expect("refused").contains("position_rad"));
+    let hobby = robot(folder.path(), ARM, SERVO);
+    assert!(hobby.refuses_input(&beside, "hinge.goal_speed_rad_s").is_some());
+    assert!(arm.refuses_input(&told(&["hinge.voltage_v"]), "hinge.voltage_v").is_some());
+    for (wrong, says) in [
+        ("proportional_per_rad = 2.0\n", "proportional_per_rad"),
+        ("current_limit_a = 2.0\n", "current_limit_a"),
+    ] {
+        let error = ActuatorSpec::from_toml(&format!("{IMPEDANCE}{wrong}"), "drive").expect_err(wrong);
+        assert!(
+            error.to_string().contains(says) && error.to_string().contains("commands a torque"),
+            "{error}"
+        );
+    }
+    let none = IMPEDANCE.replace("proportional_nm_per_rad = 30.0\n", "");
+    let error = ActuatorSpec::from_toml(&none, "drive").expect_err("no gain");
+    assert!(error.to_string().contains("derivative_nm_s_per_rad"), "{error}");
+}
+
 #[test]
 fn reference_a_run_has_its_servo_gain() {
     const GAIN: f64 = 0.3;

@@ -14,8 +14,14 @@ pub const SUPPLY: &str = "supply_v";
 /// The measured temperature of the drive, beside its input, degrees Celsius.
 pub const TEMPERATURE: &str = "temperature_c";
 
+/// The goal's own speed, beside a goal of a loop that commands a torque, rad/s.
+pub const GOAL_SPEED: &str = "goal_speed_rad_s";
+
+/// The torque that such a loop adds to its own, N m.
+pub const FEEDFORWARD: &str = "feedforward_nm";
+
 /// What a drive reads beside its command.
-pub const BESIDE: [&str; 3] = [ENABLE, SUPPLY, TEMPERATURE];
+pub const BESIDE: [&str; 5] = [ENABLE, SUPPLY, TEMPERATURE, GOAL_SPEED, FEEDFORWARD];
 
 /// Commands to a joint of a robot, behind the joint's name and a dot; the goal of a servo's own loop is the last.
 pub const JOINT_COMMANDS: [&str; 5] = ["torque_nm", "force_n", "current_a", "voltage_v", "position_rad"];

@@ -94,6 +94,7 @@ pub fn of_source(
     };
     let model =
         RobotModel::new(file, own).map_err(|e| Error::RobotFile { file: named, source: Box::new(e) })?;
+    compensate_gravity(campaign, &model)?;
     check_inputs(campaign, |record, channel| model.refuses_input(record, channel))?;
     for (channel, sensor) in model.sensors() {
         campaign.state_sensor(&channel, sensor.gain_std, sensor.bias_std);
@@ -110,6 +111,29 @@ pub fn of_source(
     let of_run = |run: &Run| servos.iter().map(|j| (j.clone(), run.rig.servo_gain_of(j))).collect();
     let gains = campaign.runs.iter().map(|run| (run.record.name.clone(), of_run(run))).collect();
     Ok(model.with_servo_gains(gains).for_records(&records))
+}
+
+/// Adds to the commands what the robot's controller adds to them, if the campaign says so; once.
+fn compensate_gravity(campaign: &mut Campaign, model: &RobotModel) -> Result<()> {
+    if !std::mem::take(&mut campaign.gravity_compensated) {
+        return Ok(());
+    }
+    let changed = campaign.runs.iter_mut().map(|run| model.compensate_gravity(&mut run.record));
+    let joints = changed.collect::<std::result::Result<Vec<_>, _>>();
+    let refused = |problem: String| campaign.bad_key("gravity_compensated", problem);
+    let joints = joints.map_err(|missing| {
+        refused(format!("a run has no column '{missing}', and gravity depends on where every joint is"))
+    })?;
+    let Some(most) = joints.into_iter().max().filter(|most| *most > 0) else {
+        return Err(
+            refused("no column commands a torque: there is nothing to add gravity to".to_owned()).into()
+        );
+    };
+    let robot = &model.robot().name;
+    campaign.notes.push(format!(
+        "the commands of {most} joints have the torques added that hold {robot} against gravity at the measured positions"
+    ));
+    Ok(())
 }
 
 impl CampaignModel for RobotModel {

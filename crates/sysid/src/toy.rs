@@ -189,6 +189,7 @@ pub(crate) fn campaign(
         file: "toy/campaign.toml".into(),
         bench: Bench::Locked,
         robot: None,
+        gravity_compensated: false,
         actuator: "toy".into(),
         scenario: None,
         model_line: None,

@@ -48,6 +48,7 @@ class Campaign:
         hold: str = "zero-order",
         sample_rate_hz: float | None = None,
         window_s: float | None = None,
+        gravity_compensated: bool = False,
     ) -> Campaign:
         """A campaign of tables in memory; no file is written or read.
 
@@ -74,6 +75,8 @@ class Campaign:
         :param sample_rate_hz: the nominal rate; a clock that differs from it is remarked on in :attr:`notes`.
         :param window_s: of the benches ``"free"`` and ``"robot"``, runs are cut into pieces of so many seconds, each of
             which begins at the measured state: a joint under a force drifts away in open loop.
+        :param gravity_compensated: of the bench ``"robot"``, its controller adds the torques that hold it against gravity
+            to those that the runs command, as libfranka's does.
 
         Raises :class:`InputError` naming run, row and column.
         """
@@ -88,7 +91,10 @@ class Campaign:
                 scenario, unit = ((said or {}).get(run) for said in (scenarios, units))
                 runs.append((str(run), role, scenario, unit, own, columns, (from_s, to_s)))
         noise = [(channel, float(std)) for channel, std in (noise_std or {}).items()]
-        return cls(_core.Campaign.build(name, bench, model, runs, noise, list(inputs), hold, sample_rate_hz, window_s))
+        built = _core.Campaign.build(
+            name, bench, model, runs, noise, list(inputs), hold, sample_rate_hz, window_s, gravity_compensated
+        )
+        return cls(built)
 
     @property
     def name(self) -> str:

@@ -70,6 +70,7 @@ class Campaign:
         hold: str,
         sample_rate_hz: float | None,
         window_s: float | None,
+        gravity_compensated: bool,
     ) -> Campaign: ...
     def columns(self, run: str) -> _Columns: ...
 

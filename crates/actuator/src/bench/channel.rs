@@ -16,6 +16,8 @@ pub(super) enum Side {
     Voltage,
     /// And with its own position loop.
     Servo,
+    /// Or with one that commands a torque.
+    Impedance,
 }
 
 /// The input columns in the order of preference.
@@ -24,6 +26,9 @@ pub(super) fn inputs(side: Side) -> &'static [&'static str] {
         Side::Elastic => &["current_a", "motor_force_n", "motor_torque_nm"],
         Side::Rigid => &["current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm"],
         Side::Voltage => &["voltage_v", "current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm"],
+        Side::Impedance => {
+            &["position_rad", "current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm"]
+        }
         Side::Servo => {
             &["position_rad", "voltage_v", "current_a", "motor_force_n", "motor_torque_nm", "joint_torque_nm"]
         }

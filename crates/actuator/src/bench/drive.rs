@@ -5,13 +5,16 @@ use super::{Bench, BenchModel};
 use crate::effect::Effect;
 use crate::effect::{ActuatorKind, CommandKind, PwmDeadZone, Setting, TransportDelay, limit_current};
 use crate::plant::{Link, Plant, Servo, Winding};
+use crate::spec::ServoSpec;
 use crate::{Coefficients, Kind};
 use sealegs_model::{Excitation, ModelError, SignalRange, internal};
 
 impl BenchModel {
     /// The input columns that the actuator can take.
     pub(super) fn inputs_of(&self) -> &'static [&'static str] {
-        channel::inputs(if self.spec.servo.is_some() {
+        channel::inputs(if self.spec.servo.as_ref().is_some_and(ServoSpec::commands_torque) {
+            Side::Impedance
+        } else if self.spec.servo.is_some() {
             Side::Servo
         } else if self.spec.is_rigid() && self.spec.motor.winding_resistance_ohm.is_some() {
             Side::Voltage
@@ -24,6 +27,9 @@ impl BenchModel {
 
     /// The winding where the command is a voltage or a goal; `None` where the file does not give what it takes.
     fn winding(&self, c: &Coefficients) -> Option<Winding> {
+        if self.spec.servo.as_ref().is_some_and(ServoSpec::commands_torque) {
+            return None;
+        }
         let (resistance_ohm, supply_v) = (self.spec.motor.winding_resistance_ohm?, self.spec.motor.supply_v?);
         Some(Winding { force_per_current: c.force_constant, resistance_ohm, supply_v })
     }
@@ -64,6 +70,7 @@ impl BenchModel {
             force_per_command: match (command, winding) {
                 (CommandKind::Effort, _) => 1.0,
                 (CommandKind::Voltage | CommandKind::Goal, Some(w)) => w.force_per_current / w.resistance_ohm,
+                (CommandKind::Goal, None) => 1.0,
                 _ => c.force_constant,
             },
             output_arm_m: match self.bench {
@@ -85,8 +92,13 @@ impl BenchModel {
     ) -> Result<(), ModelError> {
         let constant = value("force_constant", self.spec.coefficients().force_constant);
         plant.command_offset = value("input_offset", 0.0);
+        let impedance = self.spec.servo.as_ref().is_some_and(ServoSpec::commands_torque);
         match input {
             "current_a" => plant.force_per_command = constant,
+            "position_rad" if impedance => {
+                plant.force_per_command = value("motor_gain", 1.0);
+                self.close_loop(plant, constant, None)?;
+            }
             "voltage_v" | "position_rad" => {
                 let stated = self.spec.motor.winding_resistance_ohm;
                 let resistance_ohm = value("winding_resistance", stated.unwrap_or(f64::NAN));
@@ -100,7 +112,7 @@ impl BenchModel {
                 let supply_v = self.spec.motor.supply_v.unwrap_or(f64::NAN);
                 plant.drive_by(Winding { force_per_current: constant, resistance_ohm, supply_v });
                 if input == "position_rad" {
-                    self.close_loop(plant, constant, supply_v)?;
+                    self.close_loop(plant, constant, Some(supply_v))?;
                 }
             }
             _ => plant.force_per_command = value("motor_gain", 1.0),
@@ -109,16 +121,20 @@ impl BenchModel {
     }
 
     /// The servo's loop with what else its drive does, in the order of the signal's way.
-    fn close_loop(&self, plant: &mut Plant, constant: f64, supply_v: f64) -> Result<(), ModelError> {
+    fn close_loop(&self, plant: &mut Plant, constant: f64, supply_v: Option<f64>) -> Result<(), ModelError> {
         let Some(servo) = &self.spec.servo else {
             let reason = format!("{} has no [servo] that could follow a position_rad", self.spec.id);
             return Err(ModelError::Setup { reason });
         };
         plant.servo = Some(Servo {
-            proportional: servo.proportional_per_rad,
-            derivative: servo.derivative_s_per_rad,
+            // Of the two kinds of gains one is there.
+            proportional: servo.proportional_nm_per_rad.unwrap_or(servo.proportional_per_rad),
+            derivative: servo.derivative_nm_s_per_rad + servo.derivative_s_per_rad,
             integral: servo.integral_per_rad_s,
-            duty_limit: servo.duty_limit,
+            limit: match supply_v {
+                Some(_) => servo.duty_limit,
+                None => servo.torque_limit_nm.unwrap_or(f64::INFINITY),
+            },
             dead_band: servo.dead_band_rad,
             feedback_delay_s: servo.feedback_delay_s,
             period_s: servo.rate_hz.map(|rate| 1.0 / rate),

@@ -1,7 +1,7 @@
 //! What a record tells a drive, and feeds it with, over the steps of a grid.
 
-use super::{ENABLE, SUPPLY, TEMPERATURE};
 use crate::plant::{Feed, Grid, Plant, mean_per_step};
+use sealegs_model::columns::{ENABLE, FEEDFORWARD, GOAL_SPEED, SUPPLY, TEMPERATURE};
 use sealegs_model::{InputHold, Record};
 use std::borrow::Cow;
 
@@ -27,6 +27,8 @@ pub fn command_times(record: &Record, value: impl Fn(&str) -> f64) -> Cow<'_, [f
 #[derive(Debug, Clone, Default)]
 pub struct Fed {
     commands: Vec<f64>,
+    goal_speed: Option<Vec<f64>>,
+    feedforward: Option<Vec<f64>>,
     enable: Option<Vec<f64>>,
     supply_v: Option<Vec<f64>>,
     temperature_c: Option<Vec<f64>>,
@@ -44,7 +46,12 @@ impl Fed {
     ) -> Self {
         let stages = &plant.laws.command_stages;
         let held = |time_s: &[f64], values| mean_per_step(time_s, values, InputHold::ZeroOrder, &[], grid);
-        let driven = |name: &str| beside(name).filter(|_| plant.winding.is_some());
+        let driven = |name: &str| beside(name).filter(|_| plant.winding.is_some() || plant.servo.is_some());
+        let commands_torque = plant.servo.is_some_and(|servo| servo.supply_v.is_none());
+        let beside_goal = |name: &str| {
+            let values = beside(name).filter(|_| commands_torque)?;
+            Some(mean_per_step(told, values, record.hold, stages, grid))
+        };
         // The signal that switches the drive on comes as late as the command, the supply is measured.
         let switched = |on| {
             let (mut late, mut unused) = (told.to_vec(), command.to_vec());
@@ -54,6 +61,8 @@ impl Fed {
         let felt = plant.laws.rotor_friction.iter().any(|law| law.feels_temperature());
         Self {
             commands: mean_per_step(told, command, record.hold, stages, grid),
+            goal_speed: beside_goal(GOAL_SPEED),
+            feedforward: beside_goal(FEEDFORWARD),
             enable: driven(ENABLE).map(switched),
             supply_v: driven(SUPPLY).map(|volts| held(&record.time_s, volts)),
             temperature_c: beside(TEMPERATURE).filter(|_| felt).map(|t| held(&record.time_s, t)),
@@ -65,6 +74,8 @@ impl Fed {
     pub fn feed(&self) -> Feed<'_> {
         Feed {
             commands: &self.commands,
+            goal_speed: self.goal_speed.as_deref(),
+            feedforward: self.feedforward.as_deref(),
             enable: self.enable.as_deref(),
             supply_v: self.supply_v.as_deref(),
             temperature_c: self.temperature_c.as_deref(),

@@ -328,6 +328,10 @@ impl BenchModel {
         let wanted_s = step::of_record(record, self.step_s, self.steps_per_sample, rigid);
         // A series spring's linear part is exact at any step; a transmission's departs from it by its play.
         let step_s = if plant.is_parted() { plant.step_following(wanted_s, 0.0) } else { wanted_s };
+        let step_s = plant.servo.map_or(step_s, |servo| {
+            let load = if plant.is_parted() { 0.0 } else { self.bench_of(&record.name).links().1.mass_kg() };
+            servo.step_following(step_s, self.spec.coefficients().reflected_inertia + load)
+        });
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
         let told = command_times(record, value);

@@ -77,12 +77,12 @@ fn bench() -> Plant {
         proportional: 1.0,
         derivative: 0.0,
         integral: 0.0,
-        duty_limit: 1.0,
+        limit: 1.0,
         dead_band: 0.0,
         feedback_delay_s: 0.0,
         period_s: None,
         goal_offset: 0.0,
-        supply_v: 1.0,
+        supply_v: Some(1.0),
     });
     plant
 }

@@ -42,9 +42,11 @@ impl Effect for CurrentSaturation {
     }
 
     fn install(&self, values: &[f64], _channel: Option<&str>, plant: &mut Plant) {
-        match plant.winding {
-            Some(winding) => limit_current(plant, winding.force_per_current * values[0]),
-            None => plant.laws.command_stages.push(Box::new(Saturation { limit: values[0] })),
+        match (plant.winding, plant.servo) {
+            (Some(winding), _) => limit_current(plant, winding.force_per_current * values[0]),
+            // The command is a goal there, and its loop commands a torque.
+            (None, Some(_)) => limit_current(plant, plant.force_per_command * values[0]),
+            (None, None) => plant.laws.command_stages.push(Box::new(Saturation { limit: values[0] })),
         }
     }
 }

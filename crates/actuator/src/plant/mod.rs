@@ -43,7 +43,7 @@ pub use ports::{
     CommandStage, DriveLimit, DryFriction, ElastoSlip, Onset, REFERENCE_TEMPERATURE_C, RotorForce,
     SensorStage, Slip, SpringForce, SpringPath,
 };
-pub use servo::{Feed, Loop, Past, Servo, Winding};
+pub use servo::{Feed, Loop, Past, Servo, Told, Winding};
 pub use trace::{Trace, sample};
 pub(crate) use transmission::DeadZone;
 pub use transmission::{TRANSMISSION_DAMPING_RATIO, Transmission};

@@ -1,21 +1,22 @@
-//! A position loop inside the drive: from a goal and the measured position of the output to the duty of the bridge.
+//! A position loop inside the drive: from a goal and the measured position of the output to the duty of the bridge, or to a torque.
 
 use super::REFERENCE_TEMPERATURE_C;
 
-/// A servo's own position loop: `duty = clamp(k_p e + k_d e' + k_i integral(e))` with `e = goal - position`.
+/// A drive's own position loop: `clamp(k_p e + k_d e' + k_i integral(e) + feed-forward)` with `e = goal - position`, a duty or a torque.
 ///
 /// Gains are per unit of the output's motion (rad, or m for a linear drive). The loop is continuous unless it has a
-/// period, and then holds its duty from one of its samples to the next, which begin with the run.
+/// period, and then holds what it gives from one of its samples to the next, which begin with the run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Servo {
-    /// Duty per error, 1/rad.
+    /// Duty (or torque, N m) per error, 1/rad.
     pub proportional: f64,
-    /// Duty per rate of the error, s/rad. The goal's own rate is not taken: of a goal in steps it would be a spike.
+    /// Duty (or torque) per rate of the error, s/rad. Of the goal's own rate only what is told beside it is taken: of a goal in
+    /// steps it would be a spike.
     pub derivative: f64,
     /// Duty per integral of the error, 1/(rad s). The integral stops where the duty is at its limit.
     pub integral: f64,
-    /// Greatest magnitude of the duty, at most 1.
-    pub duty_limit: f64,
+    /// Greatest magnitude of the duty, at most 1, or of the torque, N m.
+    pub limit: f64,
     /// An error below this counts as none, rad.
     pub dead_band: f64,
     /// Age of the position that the loop sees, s.
@@ -24,16 +25,29 @@ pub struct Servo {
     pub period_s: Option<f64>,
     /// Constant error of the goal, rad.
     pub goal_offset: f64,
-    /// Voltage at a duty of 1 where none was logged, V.
-    pub supply_v: f64,
+    /// Voltage at a duty of 1 where none was logged, V; `None` of a loop that commands a torque.
+    pub supply_v: Option<f64>,
+}
+
+/// What a loop is told over a step.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Told {
+    /// Where the output is to be, rad.
+    pub goal: f64,
+    /// The goal's own speed, rad/s.
+    pub goal_speed: f64,
+    /// What is added to a torque, N m.
+    pub feedforward: f64,
+    /// The measured supply, V.
+    pub supply_v: Option<f64>,
 }
 
 /// What the loop remembers between steps.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Loop {
-    duty: f64,
+    given: f64,
     integral: f64,
-    /// Number of the loop's own sample that `duty` belongs to, from 1.
+    /// Number of the loop's own sample that `given` belongs to, from 1.
     sample: u64,
 }
 
@@ -48,39 +62,63 @@ pub struct Past<'a> {
     pub step_s: f64,
 }
 
+/// Share of a radian by which a loop's own oscillation goes on, or its damping acts, within a step that follows it: of second order in
+/// this, it is 0.3 % of that motion.
+const FOLLOWED: f64 = 0.25;
+
 impl Servo {
-    /// The duty over the step that begins at the last point of the `past`.
-    ///
-    /// # Panics
-    ///
-    /// If the past has no point.
-    pub fn duty(&self, goal: f64, past: Past, of: &mut Loop) -> f64 {
+    /// The duty (or torque, N m) over the step that begins at the last point of the `past`.
+    fn given(&self, told: &Told, past: Past, of: &mut Loop) -> f64 {
         let n = past.position.len() - 1;
         let elapsed = n as f64 * past.step_s;
         let (mut look_ahead, mut span) = (0.5 * past.step_s, past.step_s);
         if let Some(period) = self.period_s {
             let sample = (elapsed / period + 1e-9).floor() as u64 + 1;
             if sample == of.sample {
-                return of.duty;
+                return of.given;
             }
             span = (sample - of.sample) as f64 * period;
             of.sample = sample;
             look_ahead = 0.0;
         }
         let (position, speed) = self.seen(elapsed + look_ahead, past);
-        let error = goal + self.goal_offset - position;
+        let error = told.goal + self.goal_offset - position;
         let error = error - error.clamp(-self.dead_band, self.dead_band);
-        let free = self.proportional * error - self.derivative * speed + self.integral * of.integral;
-        of.duty = free.clamp(-self.duty_limit, self.duty_limit);
-        if of.duty == free {
+        let rate = told.goal_speed - speed;
+        let free = self.proportional * error
+            + self.derivative * rate
+            + self.integral * of.integral
+            + told.feedforward;
+        of.given = free.clamp(-self.limit, self.limit);
+        if of.given == free {
             of.integral += error * span;
         }
-        of.duty
+        of.given
     }
 
-    /// The voltage that the bridge gives over that step, V, at a supply that was measured (V) or its own.
-    pub fn volts(&self, goal: f64, supply_v: Option<f64>, past: Past, of: &mut Loop) -> f64 {
-        supply_v.unwrap_or(self.supply_v) * self.duty(goal, past, of)
+    /// The command of the drive over the step that begins at the last point of the `past`: the voltage that the bridge gives, V, at
+    /// a supply that was measured or its own, or a torque, N m.
+    ///
+    /// # Panics
+    ///
+    /// If the past has no point.
+    pub fn command(&self, told: &Told, past: Past, of: &mut Loop) -> f64 {
+        let given = self.given(told, past, of);
+        self.supply_v.map_or(given, |own| told.supply_v.unwrap_or(own) * given)
+    }
+
+    /// A wanted step of integration, s, or a shorter one: what a loop that commands a torque does to an inertia (kg m^2) is followed, and a
+    /// sampling period has whole steps. By powers of two, so that a fit does not change it at each of its own steps.
+    #[must_use]
+    pub fn step_following(&self, wanted_s: f64, inertia: f64) -> f64 {
+        if self.supply_v.is_some() {
+            return wanted_s;
+        }
+        let oscillates = (inertia / self.proportional).sqrt();
+        let damps = if self.derivative > 0.0 { inertia / self.derivative } else { f64::INFINITY };
+        let most = FOLLOWED * oscillates.min(damps);
+        let whole = self.period_s.map_or(wanted_s, |period| period / (period / wanted_s).ceil());
+        if most >= whole { whole } else { whole * 0.5_f64.powi((whole / most).log2().ceil() as i32) }
     }
 
     /// Position and speed of the output as the loop sees them at a time since the start, s. Before the start the position
@@ -89,8 +127,11 @@ impl Servo {
         let Past { position, speed, step_s } = past;
         let last = position.len() - 1;
         let point = (at - self.feedback_delay_s) / step_s;
-        if point >= last as f64 {
-            return (position[last] + (point - last as f64) * step_s * speed[last], speed[last]);
+        let ahead = point - last as f64;
+        if ahead >= 0.0 {
+            // Of first order: a step's own acceleration is known after it.
+            let rate = if self.supply_v.is_none() && last > 0 { speed[last] - speed[last - 1] } else { 0.0 };
+            return (position[last] + ahead * step_s * speed[last], speed[last] + ahead * rate);
         }
         if point <= 0.0 {
             return (position[0], speed[0]);
@@ -134,6 +175,10 @@ impl Winding {
 pub struct Feed<'a> {
     /// The mean command over each step, in its unit; of a servo the goal. Zero after the last.
     pub commands: &'a [f64],
+    /// The goal's own speed, rad/s, of a loop that commands a torque.
+    pub goal_speed: Option<&'a [f64]>,
+    /// What is added to that torque, N m.
+    pub feedforward: Option<&'a [f64]>,
     /// Below 0.5 the bridge is open: no torque, no back-EMF. Always on if `None`.
     pub enable: Option<&'a [f64]>,
     /// The measured supply of a servo, V.
@@ -150,11 +195,16 @@ impl Feed<'_> {
         self.commands.get(step).copied().unwrap_or(0.0)
     }
 
-    /// The measured supply over a step, V.
+    /// What a servo's loop is told over a step.
     #[must_use]
-    #[inline(always)]
-    pub fn supply(&self, step: usize) -> Option<f64> {
-        self.supply_v.and_then(|v| v.get(step).copied())
+    pub fn told(&self, step: usize) -> Told {
+        let over = |values: Option<&[f64]>| values.and_then(|v| v.get(step).copied());
+        Told {
+            goal: self.command(step),
+            goal_speed: over(self.goal_speed).unwrap_or(0.0),
+            feedforward: over(self.feedforward).unwrap_or(0.0),
+            supply_v: over(self.supply_v),
+        }
     }
 
     /// By how much the drive is warmer than the reference over a step, K.
@@ -185,12 +235,12 @@ mod tests {
             proportional: 2.0,
             derivative: 0.0,
             integral: 0.0,
-            duty_limit: 1.0,
+            limit: 1.0,
             dead_band: 0.0,
             feedback_delay_s: 0.0,
             period_s: None,
             goal_offset: 0.0,
-            supply_v: 7.4,
+            supply_v: Some(7.4),
         }
     }
 
@@ -245,6 +295,54 @@ mod tests {
         // Of second order in the step.
         assert!(error(1e-3) < 2e-3, "{}", error(1e-3));
         assert!(error(5e-4) < 0.3 * error(1e-3), "{} {}", error(5e-4), error(1e-3));
+    }
+
+    #[test]
+    fn analytic_a_loop_that_commands_a_torque_is_a_spring_and_a_damper() {
+        let (k, d, inertia) = (4.0, 0.06, 0.01);
+        let mut plant = Plant::new(0.002, 0.0, 0.0, 0.0);
+        plant.rigid = Some(Link::Mass(0.008));
+        plant.force_per_command = 1.0;
+        let loop_of_torque =
+            Servo { proportional: k, derivative: d, limit: f64::INFINITY, supply_v: None, ..servo() };
+        plant.servo = Some(loop_of_torque);
+        // The goal is a ramp whose speed is told, and a torque is added: what is left is an oscillation about ff / k.
+        let (rate, added) = (0.7, 0.2);
+        let (decay, square): (f64, f64) = (d / (2.0 * inertia), k / inertia);
+        let ringing = (square - decay * decay).sqrt();
+        let truth = |t: f64| {
+            let (end, lag) = (added / k, -rate);
+            // e = goal + ff / k - q begins at ff / k with the rate of the goal.
+            let (first, second) = (end, (-lag + decay * end) / ringing);
+            let left = (-decay * t).exp() * (first * (ringing * t).cos() + second * (ringing * t).sin());
+            rate * t + end - left
+        };
+        let error = |h: f64| {
+            let steps = (1.0 / h).round() as usize;
+            let grid = Grid { start_s: 0.0, step_s: h, steps };
+            let goals: Vec<f64> = (0..steps).map(|n| rate * (n as f64 + 0.5) * h).collect();
+            let (speeds, feedforward) = (vec![rate; steps], vec![added; steps]);
+            let feed = Feed {
+                commands: &goals,
+                goal_speed: Some(&speeds),
+                feedforward: Some(&feedforward),
+                ..Feed::default()
+            };
+            let trace = plant.simulate_fed(grid, feed).expect("finite");
+            let off = |(n, y): (usize, &f64)| (y - truth(n as f64 * h)).abs();
+            trace.screw_position.iter().enumerate().map(off).fold(0.0, f64::max)
+        };
+        assert!(error(1e-3) < 5e-4, "{}", error(1e-3));
+        assert!(error(5e-4) < 0.3 * error(1e-3), "{} {}", error(5e-4), error(1e-3));
+        // Its own oscillation of 20 rad/s and its damping, 6 per second, are followed; a voltage's loop leaves the step as it is.
+        assert_eq!(loop_of_torque.step_following(0.1, inertia), 0.0125);
+        assert_eq!(servo().step_following(0.1, inertia), 0.1);
+        let sampled = Servo { period_s: Some(4e-3), ..loop_of_torque };
+        assert_eq!(sampled.step_following(3e-3, inertia), 2e-3);
+        let most = Servo { limit: 0.05, ..loop_of_torque };
+        let past = Past { position: &[0.0], speed: &[0.0], step_s: 1e-3 };
+        let told = Told { goal: 1.0, supply_v: Some(12.0), ..Told::default() };
+        assert_eq!(most.command(&told, past, &mut Loop::default()), 0.05);
     }
 
     #[test]

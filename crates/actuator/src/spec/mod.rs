@@ -257,6 +257,9 @@ impl ActuatorSpec {
                 "rotary for a servo with its own position loop",
             ));
         }
+        if servo.commands_torque() {
+            return Ok(());
+        }
         let needed = [
             ("motor.winding_resistance_ohm", self.motor.winding_resistance_ohm),
             ("motor.supply_v", self.motor.supply_v),
@@ -302,9 +305,12 @@ impl ActuatorSpec {
         if self.is_rigid() {
             self.validate_rigid()?;
         } else if let Some(servo) = &self.servo {
-            let gain = servo.proportional_per_rad;
+            let (field, gain) = match servo.proportional_nm_per_rad {
+                Some(gain) => ("servo.proportional_nm_per_rad", gain),
+                None => ("servo.proportional_per_rad", servo.proportional_per_rad),
+            };
             let admitted = "absent: a position loop is known of a drive without a spring only";
-            return Err(ActuatorError::value("servo.proportional_per_rad", gain, admitted));
+            return Err(ActuatorError::value(field, gain, admitted));
         } else if (self.kind == Kind::Rotary) != matches!(self.spring, Spring::Torsion(_)) {
             return Err(ActuatorError::value(
                 "spring.type",

@@ -4,13 +4,14 @@ use super::ActuatorSpec;
 use crate::ActuatorError;
 use crate::text::nearest;
 
-const PRESETS: [(&str, &str); 8] = [
+const PRESETS: [(&str, &str); 9] = [
     ("thor-linear", include_str!("../../../../assets/actuators/thor-linear.toml")),
     ("thor-hoekens", include_str!("../../../../assets/actuators/thor-hoekens.toml")),
     ("saffir-linear", include_str!("../../../../assets/actuators/saffir-linear.toml")),
     ("rmd-x8-rotary-sea", include_str!("../../../../assets/actuators/rmd-x8-rotary-sea.toml")),
     ("rigid-linear", include_str!("../../../../assets/actuators/rigid-linear.toml")),
     ("hobby-servo", include_str!("../../../../assets/actuators/hobby-servo.toml")),
+    ("quasi-direct-drive", include_str!("../../../../assets/actuators/quasi-direct-drive.toml")),
     ("rigid-rotary", include_str!("../../../../assets/actuators/rigid-rotary.toml")),
     ("mass-spring-damper", include_str!("../../../../assets/actuators/mass-spring-damper.toml")),
 ];

@@ -181,12 +181,29 @@ fn actuators(o: &mut String, joint: &DrivenJoint, step_s: f64) {
             );
             constant(o, &format!("{name}_offset"), &at_rotor, drive.offset_force);
         }
+        Command::Impedance(servo) => {
+            // The loop is one of y, whose travel per motion of the joint is the arm.
+            let gain = drive.gain * servo.proportional;
+            let bias = [gain * servo.goal_offset, -gain * arm, -drive.gain * servo.derivative * arm];
+            let most = joint.most_of(servo, &drive);
+            let range = if most.is_finite() {
+                format!(" forcerange=\"{}\"", nums(&[-most, most]))
+            } else {
+                String::new()
+            };
+            let _ = writeln!(
+                o,
+                "    <general name=\"{name}\" joint=\"{at_rotor}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{}\"{range}{late}/>",
+                num(gain),
+                nums(&bias)
+            );
+        }
         Command::Goal(w, servo) => {
             // Duty times supply over the resistance is a current, times the constant a force along y; the loop is one of y, too.
             // One that sees the joint and pushes the rotor is the callback's.
             let held = if joint.coupling.is_some() { 0.0 } else { 1.0 };
-            let per_duty = arm * servo.supply_v * w.force_per_current / w.resistance_ohm;
-            let (gain, most) = (held * per_duty * servo.proportional, (per_duty * servo.duty_limit).abs());
+            let per_duty = arm * servo.supply_v.unwrap_or(1.0) * w.force_per_current / w.resistance_ohm;
+            let (gain, most) = (held * per_duty * servo.proportional, (per_duty * servo.limit).abs());
             let bias = [gain * servo.goal_offset, -gain * arm, -held * per_duty * servo.derivative * arm];
             let _ = writeln!(
                 o,

@@ -74,7 +74,7 @@ pub fn rubs(joint: &DrivenJoint) -> bool {
 
 fn drive(out: &mut String, joint: &DrivenJoint, number: usize) {
     let base = match joint.command {
-        Command::Effort => "Drive",
+        Command::Effort | Command::Impedance(_) => "Drive",
         Command::Voltage(_) => "Winding",
         Command::Goal(..) => "Servo",
     };
@@ -96,7 +96,7 @@ fn drive(out: &mut String, joint: &DrivenJoint, number: usize) {
         values.push(("half_gap", num(0.5 * coupling.gap)));
     }
     match &joint.command {
-        Command::Effort => {}
+        Command::Effort | Command::Impedance(_) => {}
         Command::Voltage(winding) => {
             values.extend(winding_values(winding, joint.drive.offset_force / joint.drive.gain));
         }
@@ -165,7 +165,7 @@ fn servo_values(servo: &Servo) -> Vec<(&'static str, String)> {
         ("integral", servo.integral, 0.0),
         ("dead_band", servo.dead_band, 0.0),
         ("feedback_delay_s", servo.feedback_delay_s, 0.0),
-        ("duty_limit", servo.duty_limit, 1.0),
+        ("duty_limit", servo.limit, 1.0),
     ] {
         if value != neutral {
             values.push((name, num(value)));
@@ -189,7 +189,7 @@ fn places(joint: &DrivenJoint) -> &'static [&'static str] {
 
 fn limits(joint: &DrivenJoint) -> String {
     let winding = match &joint.command {
-        Command::Effort => None,
+        Command::Effort | Command::Impedance(_) => None,
         Command::Voltage(winding) | Command::Goal(winding, _) => Some(winding),
     };
     drive_limits(&joint.drive, winding)
@@ -220,9 +220,12 @@ fn beside(out: &mut String, joint: &DrivenJoint) {
         (true, _) => out.push_str("        beside = self.beside_motor(data, y, y_dot)\n"),
         (false, true) => out.push_str("        beside = 0.0\n"),
         (false, false) => {
-            let u = match drive.command_limit() {
-                Some(limit) => format!("min(max(self.command(data), -{limit}), {limit})", limit = num(limit)),
-                None => "self.command(data)".to_owned(),
+            let u = match (&joint.command, drive.command_limit()) {
+                (Command::Impedance(servo), _) => looped(joint, servo),
+                (_, Some(limit)) => {
+                    format!("min(max(self.command(data), -{limit}), {limit})", limit = num(limit))
+                }
+                (_, None) => "self.command(data)".to_owned(),
             };
             let _ = write!(
                 out,
@@ -242,6 +245,22 @@ fn beside(out: &mut String, joint: &DrivenJoint) {
         out.push_str("        beside -= law / self.arm\n");
     }
     out.push_str("        return beside\n");
+}
+
+/// The torque that a loop commands, as Python.
+fn looped(joint: &DrivenJoint, servo: &Servo) -> String {
+    let free = format!(
+        "{} * (self.command(data) + {} - y) - {} * y_dot",
+        num(servo.proportional),
+        num(servo.goal_offset),
+        num(servo.derivative)
+    );
+    let most = joint.most_of(servo, &joint.drive) / joint.drive.gain.abs();
+    if most.is_finite() {
+        format!("min(max({free}, -{most}), {most})", most = num(most))
+    } else {
+        format!("({free})")
+    }
 }
 
 fn opening(out: &mut String, robot: &DrivenRobot, class: &str) {

@@ -68,6 +68,31 @@ fn command(joint: &DrivenJoint, python: &str, notes: &mut Vec<Note>) {
             let how = format!("{python}: drive.enabled = False opens the bridge: no torque, no back-EMF");
             notes.push(Note::callback("enable", how));
         }
+        Command::Impedance(servo) => {
+            let how = format!(
+                "actuator '{name}': stiffness as gain and bias, damping as bias, greatest torque as forcerange"
+            );
+            notes.push(Note::held(format!("command {input}"), how));
+            let unheld = [
+                ("dead_band_rad", servo.dead_band != 0.0),
+                ("feedback_delay_s", servo.feedback_delay_s != 0.0),
+                ("rate_hz", servo.period_s.is_some()),
+            ];
+            for (what, _) in unheld.into_iter().filter(|(_, is)| *is) {
+                notes.push(Note::lost(
+                    format!("{what} of the loop"),
+                    "MuJoCo's own loop is continuous and sees no age",
+                ));
+            }
+            if joint.coupling.is_some() {
+                notes.push(Note::near(
+                    "position loop",
+                    "it sees the rotor's position, where it should see the joint's",
+                ));
+            }
+            let how = "add them to the control as goal + (feedforward + derivative * speed) / proportional";
+            notes.push(Note::lost("goal_speed_rad_s, feedforward_nm", how));
+        }
         Command::Goal(_, servo) => {
             let how = format!("actuator '{name}': gain, duty limit as forcerange; dcmotor '{name}_back_emf'");
             notes.push(Note::held(format!("command {input}"), how));
@@ -89,7 +114,7 @@ fn command(joint: &DrivenJoint, python: &str, notes: &mut Vec<Note>) {
             let how = format!(
                 "{python}: drive.supply_v and drive.proportional may be set; drive.enabled = False opens the bridge. The file has \
                  {} V and {} per rad",
-                num(servo.supply_v),
+                num(servo.supply_v.unwrap_or(f64::NAN)),
                 num(servo.proportional)
             );
             notes.push(Note::callback("supply, gain, enable", how));
@@ -124,10 +149,16 @@ fn effect(id: &str, term: &Term, joint: &DrivenJoint, (python, class): (&str, &s
         Term::Drag { .. } => Note::held(id, format!("quadratic damping of the joint '{rotor}'")),
         Term::Ripple { .. } => Note::held(id, "cogging of a dcmotor without current"),
         Term::CommandLimit { .. } if bridge => callback("clips the motor's current"),
+        Term::CommandLimit { .. } if matches!(joint.command, Command::Impedance(_)) => {
+            Note::held(id, format!("forcerange of the actuator '{name}'"))
+        }
         Term::CommandLimit { .. } => Note::held(id, format!("ctrlrange of the actuator '{name}'")),
         Term::VoltageLimit { .. } => callback("takes from the motor's force what the voltage does not give"),
         Term::DeadZone { .. } if bridge => callback("takes the bridge's dead zone from the voltage"),
         Term::Sag { .. } if bridge => callback("lowers the voltage by the supply's own resistance"),
+        Term::FeedbackDelay if matches!(joint.command, Command::Impedance(_)) => {
+            Note::lost(id, "MuJoCo's own loop sees no age")
+        }
         Term::FeedbackDelay if matches!(joint.command, Command::Goal(..)) => {
             callback("the loop sees a position of that age")
         }

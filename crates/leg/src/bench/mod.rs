@@ -17,6 +17,7 @@
 mod begin;
 mod described;
 mod file;
+mod gravity;
 mod joint;
 mod links;
 mod model;

@@ -5,9 +5,13 @@ use super::begin::Begin;
 use super::joint::Joint;
 use crate::error::nearest;
 use sealegs_model::Record;
+use sealegs_model::columns::{FEEDFORWARD, GOAL_SPEED};
 
 /// What a commanded torque does not feel of a drive.
 const UNFELT_BY_EFFORT: [&str; 2] = ["force_constant", "winding_resistance"];
+
+/// Columns that stand beside a goal.
+const GOAL_COLUMNS: [&str; 2] = [GOAL_SPEED, FEEDFORWARD];
 
 impl RobotModel {
     /// The same model for these records: runs start as their first rows say, and what a joint's commands do not feel of its
@@ -19,7 +23,9 @@ impl RobotModel {
         self.starts.extend(starts.collect::<Vec<_>>());
         for joint in &self.joints {
             let input = |record: &&Record| joint.command_in(record).ok().flatten().map(|(input, _)| input);
-            if records.iter().filter_map(input).any(|input| input != joint.effort()) {
+            let is_torque =
+                |input: &str| input == joint.effort() || (input == "position_rad" && joint.has_torque_loop());
+            if !records.iter().filter_map(input).all(is_torque) {
                 continue;
             }
             for name in UNFELT_BY_EFFORT.map(|p| format!("{}/{p}", joint.name)) {
@@ -32,6 +38,18 @@ impl RobotModel {
     /// What keeps a record's column from commanding this robot, if anything does.
     #[must_use]
     pub fn refuses_input(&self, record: &Record, channel: &str) -> Option<String> {
+        let beside_goal =
+            |joint: &&Joint| GOAL_COLUMNS.iter().any(|c| channel == format!("{}.{c}", joint.name));
+        if let Some(joint) = self.joints.iter().find(beside_goal) {
+            let follows = matches!(joint.command_in(record), Ok(Some(("position_rad", _))));
+            return (!follows || !joint.has_torque_loop()).then(|| {
+                format!(
+                    "is for a joint that follows a goal by a loop which commands a torque: the drive of '{}' has no [servo] with \
+                     proportional_nm_per_rad, or it has no column {}.position_rad",
+                    joint.name, joint.name
+                )
+            });
+        }
         if let Some(joint) = self.joints.iter().find(|j| j.reads(channel)) {
             return joint.commanded_beside(record, channel).map(|other| {
                 format!(

@@ -274,7 +274,7 @@ impl Machine {
             let mut command = feed.command(step);
             if let Some(servo) = &plant.servo {
                 let past = Past { position: &trace.position, speed: &trace.speed, step_s: h };
-                command = servo.volts(command, feed.supply(step), past, &mut now.loops[i]);
+                command = servo.command(&feed.told(step), past, &mut now.loops[i]);
             }
             let (q, v, load) = (&now.mid_q, &now.mid_v, now.load[i]);
             let (torque, slope) =

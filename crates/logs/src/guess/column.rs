@@ -1,7 +1,7 @@
 //! What a single column is, by its name and the size of its numbers.
 
 use super::name::{self, Dimension, last_part, quantity_of, without_unit, words};
-use super::words::{ACCELERATION, COMMANDED, COMMANDS, DERIVED, Quantity, SUPPLY};
+use super::words::{ACCELERATION, COMMANDED, COMMANDS, DERIVED, FEEDFORWARD, Quantity, SUPPLY};
 use super::{First, Guess, reach};
 use crate::survey::ColumnSurvey;
 use crate::units;
@@ -69,7 +69,14 @@ pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &Column
         (Quantity::Current, _) => "current_a",
         (Quantity::Speed, false) if long => "speed_m_s",
         (Quantity::Speed, false) => "speed_rad_s",
-        (Quantity::Speed, true) => return Some(Guess::Aside("no bench takes a commanded speed".to_owned())),
+        (Quantity::Speed, true) => {
+            let why = "a goal's speed: goal_speed_rad_s beside the goal of a loop that commands a torque";
+            return Some(Guess::Aside(why.to_owned()));
+        }
+        (Quantity::Torque, _) if find(&FEEDFORWARD).is_some() => {
+            let why = "feed-forward: feedforward_nm beside the goal of a loop that commands a torque";
+            return Some(Guess::Aside(why.to_owned()));
+        }
         (Quantity::Torque, true) if of_motor => "motor_torque_nm",
         (Quantity::Torque, true) => "joint_torque_nm",
         (Quantity::Torque, false) if of_spring => "spring_torque_nm",

@@ -85,7 +85,7 @@ pub(crate) fn roles(
     let several: Vec<String> = several.into_iter().map(str::to_owned).collect();
     let many_joints = !several.is_empty();
     let mut taken: Vec<(String, String)> = Vec::new();
-    for guess in guesses {
+    for mut guess in guesses {
         let name = &table.columns[guess.column].name;
         let of_a_joint_too = several.contains(&guess.target.to_owned()) || name::numbered(name).is_some();
         let named = joints.iter().find(|(column, _)| column == name).map(|(_, joint)| joint.clone());
@@ -108,6 +108,9 @@ pub(crate) fn roles(
         if let Some((_, other)) = other {
             columns[guess.column].aside = Some(format!("{}; '{other}' is taken in its place", guess.reason));
             continue;
+        }
+        if guess.target == "output_torque_nm" && commands.is_some() {
+            guess.reason.push_str("; TODO: measured, and taken for the command, as no other one moves");
         }
         taken.push((target.clone(), columns[guess.column].name.clone()));
         columns[guess.column].role = Some(Role { target, settings: guess.settings, reason: guess.reason });

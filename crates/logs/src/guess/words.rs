@@ -106,6 +106,9 @@ pub(super) const COMMANDS: [&str; 11] = [
 pub(super) const ACCELERATION: [&str; 8] =
     ["acc", "accel", "acceleration", "accelerations", "ddot", "qdd", "ddq", "jerk"];
 
+/// What is added to the command of a loop.
+pub(super) const FEEDFORWARD: [&str; 3] = ["ff", "feedforward", "forward"];
+
 pub(super) const SUPPLY: [&str; 7] = ["supply", "bus", "vbus", "battery", "vbat", "input", "vin"];
 
 /// Derived from other columns: what a controller made of a measurement is none.

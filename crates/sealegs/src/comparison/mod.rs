@@ -27,6 +27,9 @@ use sealegs_sysid::sanity::{self, Finding};
 use sealegs_sysid::structure::{self, StructureTest};
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, residual};
 
+/// Integration steps per sampling period of the fit that an exact one begins from, where a simulation is dear: as a diagnosis searches.
+const STEPS_PER_SAMPLE: f64 = 4.0;
+
 /// The runs of one role with both evaluations.
 pub struct Part<'a> {
     /// The role.
@@ -124,7 +127,7 @@ pub fn compare<'a>(
         let after = match (role, &fitted) {
             _ if as_is => None,
             (Role::Fit, _) => {
-                let found = fit_holding(&data, model, &FitOptions { last: true, ..FitOptions::of(model) })?;
+                let found = own_fit(&data, model)?;
                 let evaluation = found.evaluation.clone();
                 fitted = Some(found);
                 Some(evaluation)
@@ -138,6 +141,22 @@ pub fn compare<'a>(
     let seen: &dyn Model = model;
     let sanity = sanity::look(campaign, seen);
     Ok(Compared::of(campaign, model.name(), fitted, parts, sanity, work))
+}
+
+/// The model's own parameters fitted to the fit runs. One that is dear to simulate is fitted with longer steps first, and
+/// from there with its own: these change little, and each is many times as dear.
+fn own_fit(data: &Data, model: &dyn Model) -> Result<Fit> {
+    let options = FitOptions { last: true, ..FitOptions::of(model) };
+    if !model.is_dear() {
+        return Ok(fit_holding(data, model, &options)?);
+    }
+    // What cannot be simulated with longer steps is fitted with its own from the start.
+    let near = fit_holding(data, model.coarser(STEPS_PER_SAMPLE).as_ref(), &options).ok();
+    let from = near.map_or_else(
+        || options.clone(),
+        |near| FitOptions { start: Some(near.values), starts: 1, ..options.clone() },
+    );
+    Ok(fit_holding(data, model, &from)?)
 }
 
 impl<'a> Compared<'a> {

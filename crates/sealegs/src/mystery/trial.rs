@@ -105,6 +105,7 @@ pub fn campaign_of(made: &Made) -> Result<(Campaign, BenchModel)> {
         actuator: made.actuator.to_owned(),
         scenario: None,
         robot: None,
+        gravity_compensated: false,
         model_line: None,
         sample_rate_hz: None,
         noise: noise.collect(),

@@ -19,6 +19,7 @@ pub(super) struct Description {
     pub scenario: Option<String>,
     /// For a robot: its URDF or model file.
     pub robot: Option<String>,
+    pub gravity_compensated: bool,
     /// The line that names the actuator, for a leg the scenario.
     pub model_line: Option<u64>,
     /// For a leg: columns that are commands.
@@ -79,6 +80,7 @@ struct RawCampaign {
     actuator: Option<Spanned<String>>,
     scenario: Option<Spanned<String>>,
     robot: Option<Spanned<String>>,
+    gravity_compensated: Option<Spanned<bool>>,
     inputs: Option<Spanned<Vec<String>>>,
     sample_rate_hz: Option<Spanned<f64>>,
     input_hold: Option<Spanned<String>>,
@@ -105,12 +107,13 @@ struct RawRun {
     window_s: Option<Spanned<f64>>,
 }
 
-const KEYS: [&str; 12] = [
+const KEYS: [&str; 13] = [
     "name",
     "bench",
     "actuator",
     "scenario",
     "robot",
+    "gravity_compensated",
     "inputs",
     "sample_rate_hz",
     "input_hold",
@@ -163,6 +166,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
     }
     if let Some(robot) = raw.robot.as_ref().filter(|_| bench != Bench::Robot) {
         return Err(Error::bad(path, line(robot.span()), Some("robot"), "is for the bench 'robot'"));
+    }
+    if let Some(said) = raw.gravity_compensated.as_ref().filter(|_| bench != Bench::Robot) {
+        let at = line(said.span());
+        return Err(Error::bad(path, at, Some("gravity_compensated"), super::GRAVITY_SUITS));
     }
     if !bench.has_joints() && raw.actuator.as_ref().is_none_or(|a| a.get_ref().trim().is_empty()) {
         let problem = format!("is missing{}", misspelt(text));
@@ -287,6 +294,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Description, Error> {
         actuator: raw.actuator.map(Spanned::into_inner).unwrap_or_default(),
         scenario: raw.scenario.map(Spanned::into_inner),
         robot: raw.robot.map(Spanned::into_inner),
+        gravity_compensated: raw.gravity_compensated.is_some_and(Spanned::into_inner),
         inputs: raw.inputs.map(Spanned::into_inner).unwrap_or_default(),
         sample_rate_hz,
         hold,

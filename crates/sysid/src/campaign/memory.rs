@@ -98,6 +98,7 @@ pub struct CampaignBuilder {
     inputs: Vec<String>,
     sample_rate_hz: Option<f64>,
     window_s: Option<f64>,
+    gravity_compensated: bool,
     hold: InputHold,
     noise_std: Vec<(String, f64)>,
     runs: Vec<RunColumns>,
@@ -112,6 +113,7 @@ impl CampaignBuilder {
             inputs: Vec::new(),
             sample_rate_hz: None,
             window_s: None,
+            gravity_compensated: false,
             hold: InputHold::ZeroOrder,
             noise_std: Vec::new(),
             runs: Vec::new(),
@@ -160,6 +162,13 @@ impl CampaignBuilder {
         self
     }
 
+    /// For a robot: whether its controller adds the torques that hold it against gravity to those that the runs command.
+    #[must_use]
+    pub fn gravity_compensated(mut self, is_so: bool) -> Self {
+        self.gravity_compensated = is_so;
+        self
+    }
+
     /// Checks everything as [`Campaign::read`] checks files.
     ///
     /// # Errors
@@ -186,6 +195,9 @@ impl CampaignBuilder {
                 return Err(Error::bad(&file, None, Some("window_s"), windows::SUIT));
             }
         }
+        if self.gravity_compensated && self.bench != Bench::Robot {
+            return Err(Error::bad(&file, None, Some("gravity_compensated"), super::GRAVITY_SUITS));
+        }
         if self.model.trim().is_empty() {
             let key = match self.bench {
                 Bench::Leg => "scenario",
@@ -211,6 +223,7 @@ impl CampaignBuilder {
             actuator: if leg || robot { String::new() } else { self.model.clone() },
             scenario: leg.then(|| self.model.clone()),
             robot: robot.then_some(self.model),
+            gravity_compensated: self.gravity_compensated,
             model_line: None,
             inputs: self.inputs,
             sample_rate_hz: self.sample_rate_hz,

@@ -39,6 +39,9 @@ use std::path::{Path, PathBuf};
 /// Fewest rows that a run, and the part of it that counts, may have.
 pub const FEWEST_ROWS: usize = 16;
 
+/// What may say that its controller compensates gravity.
+const GRAVITY_SUITS: &str = "is for the bench 'robot', whose URDF says what gravity does";
+
 /// What the runs were recorded on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bench {
@@ -181,6 +184,8 @@ pub struct Campaign {
     pub scenario: Option<String>,
     /// For a robot: its URDF or model file, beside the campaign's.
     pub robot: Option<String>,
+    /// For a robot: its controller adds the torques that hold it against gravity to those that the runs command.
+    pub gravity_compensated: bool,
     /// The line of the campaign file that names the actuator or the scenario, if it was read from one.
     pub model_line: Option<u64>,
     /// Nominal sample rate, Hz, if stated.
@@ -351,6 +356,7 @@ impl Campaign {
             actuator: description.actuator,
             scenario: description.scenario,
             robot: description.robot,
+            gravity_compensated: description.gravity_compensated,
             model_line: description.model_line,
             sample_rate_hz: description.sample_rate_hz,
             noise,

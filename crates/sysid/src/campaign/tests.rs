@@ -60,6 +60,8 @@ fn a_run_is_cut_into_windows_that_keep_their_rows_and_their_time() {
     assert_eq!(campaign.runs[1].record.output("position_m").unwrap()[0], 0.05);
     let message = toml_refused(&toml("locked").replace("mass_kg = 1.0\n", ""));
     assert!(message.contains("window_s") && message.contains("begin in motion"), "{message}");
+    let message = toml_refused(&toml("free").replace("window_s = 0.4", "gravity_compensated = true"));
+    assert!(message.contains("gravity_compensated") && message.contains("robot"), "{message}");
 }
 
 #[test]

@@ -232,7 +232,7 @@ impl<'a, const N: usize> Stepper<'a, N> {
             if let Some((servo, of)) = &mut servo {
                 let (position, speed) = trace.output();
                 let past = Past { position, speed, step_s: self.grid.step_s };
-                command = servo.volts(command, feed.supply(n), past, of);
+                command = servo.command(&feed.told(n), past, of);
             }
             state.released = feed.released(n);
             state.warmer_k = feed.warmer_k(n);

@@ -1,11 +1,15 @@
 //! `sealegs import`: what is in other people's log files, and a first campaign file for them.
 
 mod parts;
+mod rig;
+mod robot;
 
 use crate::failure::{OrBadInput, bad_input};
 use crate::output::{Destination, NewFolder};
 use clap::Args;
 use parts::{Parts, parts};
+use rig::rig;
+use robot::KnownRobot;
 use sealegs::diagnosis::text::figures;
 use sealegs::logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey_named};
 use sealegs::logs::{EPISODE, Log, Place, lerobot};
@@ -18,7 +22,7 @@ use std::path::{Component, Path, PathBuf};
 /// Look into log files of any kind and write a first campaign file
 #[derive(Args)]
 pub struct Import {
-    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run; files with different channels of the same time become one run
+    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run; files with different channels of the same time become one run. With the URDF of the robot among them columns get the names of its joints
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write campaign.toml into this folder, which is made if it is not there
@@ -32,13 +36,29 @@ pub struct Import {
 ///
 /// Bad input for a file that cannot be read, or a folder that has a campaign file already.
 pub fn run(arguments: &Import) -> anyhow::Result<u8> {
+    let is_urdf = |file: &&PathBuf| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"));
+    let (urdfs, files): (Vec<&PathBuf>, Vec<&PathBuf>) = arguments.files.iter().partition(is_urdf);
+    let robot = match urdfs[..] {
+        [] => None,
+        [urdf] => Some(KnownRobot::read(urdf)?),
+        [_, second, ..] => {
+            return Err(bad_input(format!("{}: a second URDF; a campaign has one robot", second.display())));
+        }
+    };
+    if files.is_empty() {
+        return Err(bad_input("no log file: a URDF says what moves, and a log how it moved".to_owned()));
+    }
     let mut logs: Vec<(&Path, Log, Survey)> = Vec::new();
-    for file in &arguments.files {
+    for file in files {
         let log = sealegs::logs::read(file).or_bad_input()?;
-        let found = survey_named(&log, &lerobot::joint_names(file));
+        let joints = lerobot::joint_names(file);
+        let found = match &robot {
+            Some(robot) => robot.survey(&log, &joints),
+            None => survey_named(&log, &joints),
+        };
         logs.push((file, log, found));
     }
-    let mut out = String::new();
+    let mut out = robot.as_ref().map(|robot| format!("{}\n", robot.described())).unwrap_or_default();
     let numbers = |table: &TableSurvey| table.columns.iter().any(|c| c.range.is_some());
     if let Some((file, ..)) = logs.iter().find(|(.., found)| !found.tables.iter().any(numbers)) {
         return Err(bad_input(format!("{}: holds no column of numbers", file.display())));
@@ -49,7 +69,7 @@ pub fn run(arguments: &Import) -> anyhow::Result<u8> {
     match &arguments.output {
         None => out.push_str("\nWith -o FOLDER a first campaign.toml is written for it.\n"),
         Some(folder) => {
-            let text = campaign(folder, &logs)?;
+            let text = campaign(folder, &logs, robot.as_ref())?;
             let file = folder.join("campaign.toml");
             if file.exists() {
                 return Err(bad_input(format!("{}: is there already", file.display())));
@@ -161,15 +181,20 @@ fn content(column: &ColumnSurvey) -> String {
     said
 }
 
-/// A first campaign file for these logs, which lie relative to `folder`.
-fn campaign(folder: &Path, logs: &[(&Path, Log, Survey)]) -> anyhow::Result<String> {
+/// A first campaign file for these logs and the robot, which lie relative to `folder`.
+fn campaign(
+    folder: &Path,
+    logs: &[(&Path, Log, Survey)],
+    robot: Option<&KnownRobot>,
+) -> anyhow::Result<String> {
     let name = folder.file_name().map_or_else(|| "campaign".into(), |n| n.to_string_lossy());
     let mut out = format!(
         "# Made by `sealegs import`: complete what is marked with TODO, then `sealegs check` it.\n\
          name = {}\n",
         quoted(&name)
     );
-    out.push_str(&rig(logs));
+    let urdf = robot.map(|robot| relative(folder, &robot.file)).transpose()?;
+    out.push_str(&rig(logs, urdf.as_deref()));
     let mut said: Vec<String> = Vec::new();
     for (_, log, _) in logs.iter().filter(|(_, log, _)| !log.constants.is_empty()) {
         let numbers = log.constants.iter().map(|(name, value)| format!("{name} = {}", short(*value, 6)));
@@ -302,75 +327,6 @@ fn episodes(log: &Log) -> Vec<i64> {
     let values = column.map(|c| c.values.iter().filter(|v| v.is_finite()).map(|v| *v as i64));
     let all: BTreeSet<i64> = values.into_iter().flatten().collect();
     if all.len() > 1 { all.into_iter().collect() } else { Vec::new() }
-}
-
-/// What columns are guessed to be.
-fn targets<'a>(logs: &'a [(&Path, Log, Survey)]) -> impl Iterator<Item = &'a str> {
-    let columns = logs.iter().flat_map(|(_, _, s)| &s.tables).flat_map(|t| &t.columns);
-    columns.filter_map(|c| Some(c.role.as_ref()?.target.as_str()))
-}
-
-/// Bench and actuator that have such columns.
-fn rig(logs: &[(&Path, Log, Survey)]) -> String {
-    let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
-    // A goal of the servo's own loop, or the voltage of its motor.
-    let rotary = if has("position_rad") || has("voltage_v") { "hobby-servo" } else { "rigid-rotary" };
-    let constant = |channel: &str| match has("current_a") && rotary == "rigid-rotary" {
-        true => format!(
-            "# TODO: its drive takes 1 N m for 1 A. Give the current the scale of yours, as a torque:\n\
-             # \"…\" = {{ as = \"{channel}\", scale = N m per A }}, or state torque_constant_nm_a in an actuator file.\n"
-        ),
-        false => String::new(),
-    };
-    if joints(logs) > 0 {
-        let constant = constant("JOINT.torque_nm");
-        let pieces = match has("torque_nm") {
-            true => {
-                "# window_s = 2.0          # where joints under torques drift away in open loop, `check` says how long pieces to cut\n"
-            }
-            false => "",
-        };
-        return format!(
-            "bench = \"robot\"            # columns that are called by a joint\n\
-             robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n\
-             actuator = \"{rotary}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n{constant}{pieces}"
-        );
-    }
-    let spring = ["spring_torque_nm", "spring_deflection_rad"].into_iter().any(has);
-    let linear = ["force_1_n", "force_2_n", "spring_deflection_m"].into_iter().any(has);
-    // A drive without a spring that follows a goal, or whose joint is measured alone, has no load cell of a beam.
-    if spring || (linear && !has("position_rad") && !has("position_m")) {
-        let sprung = if spring { "rmd-x8-rotary-sea" } else { "thor-linear" };
-        let bench = if has("joint_angle_rad") { "pendulum" } else { "locked" };
-        let load = match bench {
-            "pendulum" => {
-                "mass_kg = 1.0              # TODO: the load of the pendulum, and its distance\nlength_m = 0.1\n"
-            }
-            _ => "",
-        };
-        format!(
-            "bench = \"{bench}\"         # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
-             actuator = \"{sprung}\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n{load}"
-        )
-    } else if has("joint_angle_rad") || has("motor_angle_rad") {
-        let constant = constant("joint_torque_nm");
-        format!(
-            "bench = \"pendulum\"         # TODO: what it was recorded on: pendulum, free (nothing hangs on it), robot\n\
-             actuator = \"{rotary}\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n\
-             # TODO: the load of the pendulum, and its distance; a [[run]] may have its own. On the bench free: inertia_kg_m2.\n\
-             mass_kg = 1.0\nlength_m = 0.1\n{constant}"
-        )
-    } else {
-        "bench = \"free\"             # TODO: what it was recorded on: free (a carriage), locked, robot, leg\n\
-         actuator = \"rigid-linear\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n\
-         mass_kg = 1.0              # TODO: what it moves\n"
-            .to_owned()
-    }
-}
-
-/// Number of joints that columns are guessed to belong to.
-fn joints(logs: &[(&Path, Log, Survey)]) -> usize {
-    targets(logs).filter_map(|target| Some(target.rsplit_once('.')?.0)).collect::<BTreeSet<&str>>().len()
 }
 
 /// One line of `[columns]`; commented out where nothing is guessed, or where another column has the channel.

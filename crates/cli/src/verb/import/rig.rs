@@ -1,0 +1,94 @@
+//! What a log may have been recorded on: bench and actuator of a first campaign file.
+
+use super::quoted;
+use sealegs::logs::Log;
+use sealegs::logs::survey::{ColumnSurvey, Survey};
+use std::path::Path;
+
+/// What a column is called that commands torques without those that hold the robot against gravity: libfranka's.
+const WITHOUT_GRAVITY: &str = "tau_J_d";
+
+fn columns<'a>(logs: &'a [(&Path, Log, Survey)]) -> impl Iterator<Item = &'a ColumnSurvey> {
+    logs.iter().flat_map(|(_, _, s)| &s.tables).flat_map(|t| &t.columns)
+}
+
+/// What columns are guessed to be.
+fn targets<'a>(logs: &'a [(&Path, Log, Survey)]) -> impl Iterator<Item = &'a str> {
+    columns(logs).filter_map(|c| Some(c.role.as_ref()?.target.as_str()))
+}
+
+/// Bench and actuator that have such columns; the robot's, where its `urdf` is known.
+pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>) -> String {
+    let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
+    // A goal of the servo's own loop, or the voltage of its motor.
+    let rotary = if has("position_rad") || has("voltage_v") { "hobby-servo" } else { "rigid-rotary" };
+    let slides_only = has(".position_m") && !has("angle_rad");
+    let drive = if slides_only { "rigid-linear" } else { rotary };
+    let constant = |channel: &str| match has("current_a") && rotary == "rigid-rotary" {
+        true => format!(
+            "# TODO: its drive takes 1 N m for 1 A. Give the current the scale of yours, as a torque:\n\
+             # \"…\" = {{ as = \"{channel}\", scale = N m per A }}, or state torque_constant_nm_a in an actuator file.\n"
+        ),
+        false => String::new(),
+    };
+    if urdf.is_some() || targets(logs).any(|target| target.contains('.')) {
+        let constant = constant("JOINT.torque_nm");
+        let pieces = match has("torque_nm") {
+            true => {
+                "# window_s = 2.0          # where joints under torques drift away in open loop, `check` says how long pieces to cut\n"
+            }
+            false => "",
+        };
+        let robot = match urdf {
+            Some(urdf) => format!("robot = {}\n", quoted(urdf)),
+            None => "robot = \"ROBOT.urdf\"       # TODO: its URDF beside this file, whose joints are called as below\n".to_owned(),
+        };
+        let gravity = match columns(logs).any(|c| c.role.is_some() && c.name.contains(WITHOUT_GRAVITY)) {
+            true => {
+                "gravity_compensated = true # the controller adds gravity to what libfranka calls tau_J_d\n"
+            }
+            false => "",
+        };
+        let loops = match has("position_rad") {
+            true => {
+                "# TODO: \"quasi-direct-drive\" with your gains in its place, where the controller sends k_p and k_d and a torque (legged robots)\n"
+            }
+            false => "",
+        };
+        return format!(
+            "bench = \"robot\"            # columns that are called by a joint\n\
+             {robot}{gravity}\
+             actuator = \"{drive}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n{loops}{constant}{pieces}"
+        );
+    }
+    let spring = ["spring_torque_nm", "spring_deflection_rad"].into_iter().any(has);
+    let linear = ["force_1_n", "force_2_n", "spring_deflection_m"].into_iter().any(has);
+    // A drive without a spring that follows a goal, or whose joint is measured alone, has no load cell of a beam.
+    if spring || (linear && !has("position_rad") && !has("position_m")) {
+        let sprung = if spring { "rmd-x8-rotary-sea" } else { "thor-linear" };
+        let bench = if has("joint_angle_rad") { "pendulum" } else { "locked" };
+        let load = match bench {
+            "pendulum" => {
+                "mass_kg = 1.0              # TODO: the load of the pendulum, and its distance\nlength_m = 0.1\n"
+            }
+            _ => "",
+        };
+        format!(
+            "bench = \"{bench}\"         # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
+             actuator = \"{sprung}\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n{load}"
+        )
+    } else if has("joint_angle_rad") || has("motor_angle_rad") {
+        let constant = constant("joint_torque_nm");
+        format!(
+            "bench = \"pendulum\"         # TODO: what it was recorded on: pendulum, free (nothing hangs on it), robot\n\
+             actuator = \"{rotary}\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n\
+             # TODO: the load of the pendulum, and its distance; a [[run]] may have its own. On the bench free: inertia_kg_m2.\n\
+             mass_kg = 1.0\nlength_m = 0.1\n{constant}"
+        )
+    } else {
+        "bench = \"free\"             # TODO: what it was recorded on: free (a carriage), locked, robot, leg\n\
+         actuator = \"rigid-linear\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n\
+         mass_kg = 1.0              # TODO: what it moves\n"
+            .to_owned()
+    }
+}

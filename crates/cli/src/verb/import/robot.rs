@@ -1,0 +1,206 @@
+//! The robot of a log, where its URDF is given: which of its joints the log's are.
+
+use crate::failure::{OrBadInput, bad_input};
+use sealegs::leg::robot::{JointKind, Robot};
+use sealegs::logs::Log;
+use sealegs::logs::survey::{ColumnSurvey, Survey, survey_named};
+use std::path::{Path, PathBuf};
+
+/// A URDF and its joints that move, in the order of the file.
+pub(super) struct KnownRobot {
+    pub file: PathBuf,
+    joints: Vec<Joint>,
+}
+
+struct Joint {
+    name: String,
+    slides: bool,
+}
+
+/// What a log's joint is in the URDF.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Is {
+    /// The joint of this number, whose name fits.
+    Named(usize),
+    /// The joint of this number, as nothing but the order says.
+    InOrder(usize),
+    Nothing,
+}
+
+impl KnownRobot {
+    /// # Errors
+    ///
+    /// Bad input for a file that is no URDF, or one of a robot none of whose joints moves.
+    pub fn read(file: &Path) -> anyhow::Result<Self> {
+        let robot = Robot::load(&file.display().to_string(), None).or_bad_input()?;
+        let joints: Vec<Joint> = robot
+            .moving_joints()
+            .map(|j| Joint { name: j.name.clone(), slides: j.kind == JointKind::Prismatic })
+            .collect();
+        match joints.is_empty() {
+            true => Err(bad_input(format!("{}: no joint of it moves", file.display()))),
+            false => Ok(Self { file: file.to_owned(), joints }),
+        }
+    }
+
+    /// Its file's name and joints, for people.
+    pub fn described(&self) -> String {
+        let names: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
+        format!("{}: a robot; joints that move: {}", self.file.display(), names.join(", "))
+    }
+
+    /// A log looked at again, its joints called as in the URDF. `joints` are those that its format names by column.
+    pub fn survey(&self, log: &Log, joints: &[(String, String)]) -> Survey {
+        let first = survey_named(log, joints);
+        let logged = joints_of(&first);
+        let is = self.told_apart(&logged.iter().map(String::as_str).collect::<Vec<_>>());
+        let lone = logged.is_empty() && self.joints.len() == 1;
+        let of = |column: &ColumnSurvey| -> Option<Is> {
+            let target = &column.role.as_ref()?.target;
+            match target.rsplit_once('.') {
+                Some((joint, _)) => Some(is[logged.iter().position(|name| name == joint)?]),
+                None => (lone && target != "time_s").then_some(Is::Named(0)),
+            }
+        };
+        let named = |(column, own): (&ColumnSurvey, &str)| match of(column)? {
+            Is::Named(i) | Is::InOrder(i) => Some((own.to_owned(), self.joints[i].name.clone())),
+            Is::Nothing => None,
+        };
+        let both = || first.tables.iter().zip(&log.tables);
+        let names: Vec<(String, String)> = both()
+            .flat_map(|(seen, table)| seen.columns.iter().zip(table.columns.iter().map(|c| c.name.as_str())))
+            .filter_map(named)
+            .chain(joints.iter().cloned())
+            .collect();
+        let mut found = survey_named(log, &names);
+        let columns = found.tables.iter_mut().flat_map(|t| &mut t.columns);
+        for (column, before) in columns.zip(first.tables.iter().flat_map(|t| &t.columns)) {
+            self.suit(column, of(before));
+        }
+        found
+    }
+
+    /// Which joints of the URDF a log's are: by their names, or, if these do not fit, by their order.
+    fn told_apart(&self, logged: &[&str]) -> Vec<Is> {
+        let fits: Vec<Vec<(usize, String)>> = logged.iter().map(|name| self.like(name)).collect();
+        // Of `panda_joint1` and `panda_finger_joint1` those are meant by `joint1` to `joint7` that all have one beginning.
+        let shared =
+            |rest: &str| fits.iter().filter(|all| all.iter().any(|(_, other)| other == rest)).count();
+        let called = |all: &Vec<(usize, String)>| {
+            let most = all.iter().map(|(_, rest)| shared(rest)).max()?;
+            let mut best = all.iter().filter(|(_, rest)| shared(rest) == most).map(|(i, _)| *i);
+            best.next().filter(|_| best.next().is_none())
+        };
+        let by_name: Vec<Option<usize>> = fits.iter().map(called).collect();
+        let once = |i: &usize| by_name.iter().filter(|other| **other == Some(*i)).count() == 1;
+        let named = |found: &Option<usize>| found.filter(once);
+        // Mere numbers that do not all fit may count from zero.
+        let numbers = logged.iter().all(|name| key(name).chars().all(|c| c.is_ascii_digit()));
+        let fit = by_name.iter().filter(|found| named(found).is_some()).count();
+        let in_order = logged.len() <= self.joints.len() && (fit == 0 || (numbers && fit < logged.len()));
+        let of = |(at, found): (usize, &Option<usize>)| match named(found) {
+            _ if in_order => Is::InOrder(at),
+            Some(i) => Is::Named(i),
+            None => Is::Nothing,
+        };
+        by_name.iter().enumerate().map(of).collect()
+    }
+
+    /// The joints with this name, or with one that says the same, each with the part of one name that the other lacks: `knee` may be
+    /// `left_knee_joint`, and `joint3` `panda_joint3`.
+    fn like(&self, name: &str) -> Vec<(usize, String)> {
+        let own = key(name);
+        let all = |fits: &dyn Fn(&str) -> Option<String>| -> Vec<(usize, String)> {
+            let of = |(i, joint): (usize, &Joint)| Some((i, fits(&joint.name)?));
+            self.joints.iter().enumerate().filter_map(of).collect()
+        };
+        let equal = |joint: &str| (joint == name).then(String::new);
+        let same = |joint: &str| (key(joint) == own).then(String::new);
+        let longer = |joint: &str| without_end(&key(joint), &own).or_else(|| without_end(&own, &key(joint)));
+        let found = all(&equal).into_iter().take(1).collect::<Vec<_>>();
+        [found, all(&same), all(&longer)].into_iter().find(|found| !found.is_empty()).unwrap_or_default()
+    }
+
+    /// Says how a column's joint was found, and gives one that slides a channel of its kind.
+    fn suit(&self, column: &mut ColumnSurvey, is: Option<Is>) {
+        let (Some(role), Some(is)) = (column.role.as_mut(), is) else { return };
+        let urdf = self.file.file_name().unwrap_or_default().to_string_lossy();
+        let joint = match is {
+            Is::Named(i) => i,
+            Is::InOrder(i) => {
+                role.reason.push_str(&format!("; TODO: joint {} of {urdf} by its order", i + 1));
+                i
+            }
+            Is::Nothing => {
+                role.reason.push_str(&format!("; TODO: no joint of {urdf} is called so"));
+                return;
+            }
+        };
+        let Some((place, what)) = role.target.rsplit_once('.').filter(|_| self.joints[joint].slides) else {
+            return;
+        };
+        let slides = match what {
+            "angle_rad" => "position_m",
+            "speed_rad_s" => "speed_m_s",
+            "torque_nm" => "force_n",
+            _ => return,
+        };
+        role.target = format!("{place}.{slides}");
+        role.settings = None;
+        role.reason.push_str("; it slides");
+    }
+}
+
+/// The joints that columns are guessed to belong to, in the order of the columns.
+fn joints_of(found: &Survey) -> Vec<String> {
+    let mut joints: Vec<String> = Vec::new();
+    for column in found.tables.iter().flat_map(|t| &t.columns) {
+        let joint =
+            column.role.as_ref().and_then(|role| role.target.rsplit_once('.')).map(|(joint, _)| joint);
+        if let Some(joint) = joint.filter(|joint| !joints.iter().any(|known| known == joint)) {
+            joints.push(joint.to_owned());
+        }
+    }
+    joints
+}
+
+/// What a joint's name says: letters and digits in small, without the word `joint`.
+fn key(name: &str) -> String {
+    let name: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
+    name.replace("joint", "")
+}
+
+/// What is before the end of a name, if it has that end, and this is not the end of a number of several digits.
+fn without_end(name: &str, end: &str) -> Option<String> {
+    let is_digit = |c: char| c.is_ascii_digit();
+    let rest = name.strip_suffix(end).filter(|_| !end.is_empty())?;
+    let splits = end.starts_with(is_digit) && rest.ends_with(is_digit);
+    (!splits).then(|| rest.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn robot(joints: &[&str]) -> KnownRobot {
+        let joints = joints.iter().map(|name| Joint { name: (*name).to_owned(), slides: false });
+        KnownRobot { file: PathBuf::from("r.urdf"), joints: joints.collect() }
+    }
+
+    #[test]
+    fn joints_are_found_by_names_that_say_the_same_or_by_their_order() {
+        let panda = robot(&["finger_joint1", "panda_joint1", "panda_joint2", "panda_joint11"]);
+        let [one, two] = [Is::Named(0), Is::Named(1)];
+        assert_eq!(panda.told_apart(&["panda_joint1", "panda_joint2"]), [two, Is::Named(2)]);
+        assert_eq!(panda.told_apart(&["joint1", "joint2"]), [two, Is::Named(2)]);
+        // They count from zero.
+        assert_eq!(panda.told_apart(&["joint0", "joint1"]), [Is::InOrder(0), Is::InOrder(1)]);
+        let legs = robot(&["left_knee", "right_knee", "neck"]);
+        assert_eq!(legs.told_apart(&["knee", "neck"]), [Is::Nothing, Is::Named(2)]);
+        let leg = robot(&["left_hip_joint", "left_knee_joint"]);
+        assert_eq!(leg.told_apart(&["knee", "HIP"]), [two, one]);
+        assert_eq!(leg.told_apart(&["q0", "q1"]), [Is::InOrder(0), Is::InOrder(1)]);
+        assert_eq!(leg.told_apart(&["q0", "q1", "q2"]), [Is::Nothing; 3]);
+        assert_eq!(leg.told_apart(&["knee", "toe"]), [two, Is::Nothing]);
+    }
+}
