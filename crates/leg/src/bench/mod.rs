@@ -14,6 +14,7 @@
 //! begins where its log does: each joint's position and speed by a cubic through the first rows, or, where these tell them only
 //! roughly, where the model's own motion meets them best; the position alone zero where it was not logged. Friction that the URDF states is not taken: `coulomb-friction` is found, or named by the file.
 
+mod alike;
 mod begin;
 mod described;
 mod file;

@@ -1,11 +1,11 @@
 //! The robot with its drives as a model: parameters by joint and link, and effects by joint.
 
-use super::RobotFile;
 use super::begin::Begin;
 use super::joint::{Column, Joint, refused_with_spring};
 use super::links::{self, LinkParameters};
 use super::observed::Observed;
 use super::stated::with_embedded;
+use super::{RobotFile, alike};
 use crate::LegError;
 use crate::dynamics::equations::MovingBodies;
 use crate::error::nearest;
@@ -46,8 +46,8 @@ pub struct RobotModel {
     pub(super) gains: BTreeMap<String, BTreeMap<String, f64>>,
     links: Vec<LinkParameters>,
     pub(super) parameters: Vec<Parameter>,
-    /// Included effects: the joint and the id there.
-    included: Vec<(usize, String)>,
+    /// Included effects: the joint, or none for one that all have alike, and the id there.
+    pub(super) included: Vec<(Option<usize>, String)>,
     /// Where runs begin, by the records' names.
     pub(super) starts: BTreeMap<String, Begin>,
     pub(super) step_s: f64,
@@ -205,10 +205,9 @@ impl RobotModel {
             };
             joint.model.effect_specs(&own(values), &own(stds))
         };
-        let effect = |(joint, id): &(usize, String)| {
-            let joint = &self.joints[*joint];
-            let spec = at_joint(joint).into_iter().find(|spec| spec.id == *id);
-            spec.map(|spec| EffectSpec { id: format!("{}/{id}", joint.name), ..spec })
+        let effect = |(joint, id): &(Option<usize>, String)| {
+            let spec = at_joint(&self.joints[joint.unwrap_or(0)]).into_iter().find(|spec| spec.id == *id);
+            spec.map(|spec| EffectSpec { id: self.placed(*joint, id), ..spec })
         };
         file.effects = self.included.iter().filter_map(effect).collect();
         file
@@ -230,6 +229,9 @@ impl RobotModel {
         let joint = id.split_once('/').and_then(|(place, rest)| {
             self.joints.iter().position(|j| j.name == place).map(|joint| (joint, rest))
         });
+        if alike::is_alike(id) {
+            return self.include_alike(id, seen);
+        }
         let Some((joint, rest)) = joint else {
             let known: Vec<String> = self.effects(seen).into_iter().map(|card| card.id).collect();
             return Err(unknown(nearest(id, known.iter().map(String::as_str))));
@@ -251,9 +253,14 @@ impl RobotModel {
             self.joints[joint].at.push(self.parameters.len());
             self.parameters.push(Parameter { name: format!("{place}/{}", p.name), ..p.clone() });
         }
-        self.included.push((joint, rest.to_owned()));
+        self.included.push((Some(joint), rest.to_owned()));
         self.joints[joint].model = with;
         Ok(())
+    }
+
+    /// What an effect is called at a joint, or at all of them.
+    fn placed(&self, joint: Option<usize>, id: &str) -> String {
+        joint.map_or_else(|| id.to_owned(), |joint| format!("{}/{id}", self.joints[joint].name))
     }
 
     /// The joints whose drive is a servo with its own position loop.
@@ -315,7 +322,7 @@ impl Model for RobotModel {
     }
 
     fn included(&self) -> Vec<String> {
-        self.included.iter().map(|(joint, id)| format!("{}/{id}", self.joints[*joint].name)).collect()
+        self.included.iter().map(|(joint, id)| self.placed(*joint, id)).collect()
     }
 
     fn effects(&self, seen: &Excitation) -> Vec<EffectCard> {
@@ -327,7 +334,7 @@ impl Model for RobotModel {
                 .map(move |card| EffectCard { id: format!("{place}/{}", card.id), ..card })
                 .collect::<Vec<_>>()
         };
-        self.joints.iter().flat_map(of).collect()
+        self.alike(seen).into_iter().chain(self.joints.iter().flat_map(of)).collect()
     }
 
     fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {
