@@ -181,6 +181,8 @@ fn reference_the_error_of_drives_at_joints_falls_in_mujoco_as_it_falls_here() {
     let lever = PendulumRig { arm_m: -0.05, length_m: 0.3, mass_kg: 2.0, rod_mass_kg: 0.0 };
     let heavy = "[parameters.reflected_inertia]\nvalue = 20.0\n[parameters.damping]\nvalue = 60.0\n";
     let simple = "[servo]\nproportional_per_rad = 1.5\n";
+    let impedance = "[servo]\nproportional_nm_per_rad = 12.0\nderivative_nm_s_per_rad = 0.3\ntorque_limit_nm = 1.5\n\
+                     command_delay_s = 0.01\n";
     let full = "[servo]\nproportional_per_rad = 1.5\nderivative_s_per_rad = 0.01\nintegral_per_rad_s = 2.0\nduty_dead_zone = \
                 0.03\ncurrent_limit_a = 1.0\ndead_band_rad = 0.01\ncommand_delay_s = 0.01\nfeedback_delay_s = 0.004\nrate_hz = \
                 250.0\n";
@@ -205,6 +207,12 @@ fn reference_the_error_of_drives_at_joints_falls_in_mujoco_as_it_falls_here() {
             (drive("rotary", simple), PendulumRig { arm_m: -0.5, ..rod }),
             ("position_rad", 0.4),
             &[("coulomb-friction", &[0.05])],
+        ),
+        on_pendulum(
+            "impedance control with a limit, Stribeck and load",
+            (drive("rotary", impedance), PendulumRig { arm_m: -0.5, ..rod }),
+            ("position_rad", 0.4),
+            &[stribeck, load],
         ),
         on_pendulum(
             "servo with all it may have",

@@ -141,6 +141,33 @@ fn analytic_a_servo_is_a_spring_with_a_limit_and_a_back_emf() {
 }
 
 #[test]
+fn analytic_a_joint_under_impedance_control_is_an_actuator_with_stiffness_damping_and_a_limit() {
+    let spec = SERVO.replace(
+        "proportional_per_rad = 2.0\nduty_limit = 0.8\nduty_dead_zone = 0.05\n",
+        "proportional_nm_per_rad = 30.0\nderivative_nm_s_per_rad = 0.8\ntorque_limit_nm = 9.0\nrate_hz = 500.0\n",
+    );
+    let rig = PendulumRig { arm_m: 1.0, length_m: 0.5, mass_kg: 3.0, rod_mass_kg: 1.2 };
+    let spec = ActuatorSpec::from_toml(&spec, "joint.toml").unwrap_or_else(|e| panic!("{e}"));
+    let model = BenchModel::new(spec, Bench::Pendulum(rig)).unwrap_or_else(|e| panic!("{e}"));
+    let done = |format| bench(format, &model, "position_rad", "joint").unwrap();
+    let mjcf = done(Format::Mjcf);
+    let xml = roxmltree::Document::parse(&mjcf.text).unwrap();
+    let motor = xml.descendants().find(|n| n.has_tag_name("general")).unwrap();
+    let numbers = |attribute: &str| -> Vec<f64> {
+        motor.attribute(attribute).unwrap().split(' ').map(|v| v.parse().unwrap()).collect()
+    };
+    assert_eq!((numbers("gainprm"), numbers("biasprm")), (vec![30.0], vec![0.0, -30.0, -0.8]));
+    assert_eq!(numbers("forcerange"), [-9.0, 9.0]);
+    assert!(motor.has_attribute("delay"), "the command's delay is lost");
+    assert!(lost(&mjcf).contains(&"rate_hz of the loop"), "{:?}", lost(&mjcf));
+    let isaac = done(Format::IsaacLab).text;
+    for line in ["stiffness=30,", "damping=0.8,", "effort_limit=9,"] {
+        assert!(isaac.contains(line), "{line}: {isaac}");
+    }
+    assert!(lost(&done(Format::Urdf)).iter().any(|what| what.starts_with("command")));
+}
+
+#[test]
 fn regress_a_robot_with_torque_drives_in_every_format() {
     let folder = std::env::temp_dir().join(format!("sealegs-arm-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
