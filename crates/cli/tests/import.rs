@@ -298,10 +298,10 @@ fn with_a_urdf_columns_get_the_names_of_its_joints() {
         assert!(written.contains(line), "{line}: {written}");
     }
     // A name that says nothing is a joint by its order, which somebody has to look at.
-    let written = rows("t,q[0],q[1],q[2],tau[2]");
+    let written = rows("t,q[0],q[1],tau[0],tau[1]");
     for line in [
         "\"q[0]\" = \"arm_lift_joint.position_m\"",
-        "\"tau[2]\" = \"arm_elbow_joint.torque_nm\"",
+        "\"tau[1]\" = \"arm_shoulder_joint.torque_nm\"",
         "by its order",
     ] {
         assert!(written.contains(line), "{line}: {written}");

@@ -488,7 +488,7 @@ fn torques_that_a_controller_adds_against_gravity_are_in_the_model() {
         let path = |name: &str| folder.path().join(name).display().to_string();
         let result = path("result.json");
         well(&["compare", &path("campaign.toml"), "--json", &result]);
-        json(Path::new(&result))["after"]["fit_error"].as_f64().expect("an error")
+        json(Path::new(&result))["base"]["fit_error"].as_f64().expect("an error")
     };
     assert!(error("") > 100.0);
     let with = error("gravity_compensated = true\n");

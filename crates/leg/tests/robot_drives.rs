@@ -487,3 +487,47 @@ fn a_joint_that_is_held_is_one_that_the_urdf_fixes_there() {
     file.hold = [("elbow".to_owned(), f64::NAN)].into();
     assert!(RobotModel::new(file, &[]).unwrap_err().to_string().contains("hold.elbow"));
 }
+
+/// Two arms on one base.
+const TWO_ARMS: &str = r#"<robot name="arms">
+  <link name="base"/>
+  <link name="left"><inertial><origin xyz="0 0 -0.22"/><mass value="0.5"/>
+    <inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="right"><inertial><origin xyz="0 0 -0.22"/><mass value="0.5"/>
+    <inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="hinge" type="continuous"><parent link="base"/><child link="left"/><axis xyz="0 -1 0"/></joint>
+  <joint name="other" type="continuous"><parent link="base"/><child link="right"/><axis xyz="0 -1 0"/></joint>
+</robot>"#;
+
+#[test]
+fn parts_that_do_not_move_one_another_are_as_alone_whatever_was_simulated_before() {
+    let slower = |t: f64| 0.5 * goal(0.7 * t);
+    let both = record(
+        &[("hinge.position_rad", &goal), ("other.position_rad", &slower)],
+        &[("hinge.angle_rad", 0.0), ("other.angle_rad", 0.0)],
+    );
+    let alone = record(&[("hinge.position_rad", &goal)], &[("hinge.angle_rad", 0.0)]);
+    let (a, b) = (folder(), folder());
+    let arms = at_rest(robot(a.path(), TWO_ARMS, IMPEDANCE), &both);
+    let arm = at_rest(robot(b.path(), ARM, IMPEDANCE), &alone);
+    let shown = |model: &RobotModel, values: &[f64], record: &Record| {
+        let channels: Vec<String> = record.outputs.iter().map(|o| o.channel.clone()).collect();
+        model.predict(values, record, &channels).expect("finite").outputs
+    };
+    let first = shown(&arms, &values(&arms), &both);
+    assert_eq!(first[0].values, shown(&arm, &values(&arm), &alone)[0].values);
+    // A value of one arm changes that arm alone, and what was kept of the other one is what it was.
+    let mut heavier = values(&arms);
+    let mass = arms.parameters().iter().position(|p| p.name == "right/mass").expect("a mass");
+    heavier[mass] *= 1.2;
+    let changed = shown(&arms, &heavier, &both);
+    assert_eq!(changed[0].values, first[0].values);
+    assert!(farthest(&changed[1].values, &first[1].values) > 1e-4);
+    let fresh = at_rest(robot(a.path(), TWO_ARMS, IMPEDANCE), &both);
+    assert_eq!(shown(&fresh, &heavier, &both), changed);
+    // Other commands under the same name are another run.
+    let mut turned = both.clone();
+    turned.inputs[0].values.iter_mut().for_each(|goal| *goal = -*goal);
+    assert_eq!(shown(&arms, &values(&arms), &turned), shown(&fresh, &values(&fresh), &turned));
+    assert_eq!(shown(&arms, &values(&arms), &both), first);
+}

@@ -90,8 +90,8 @@ fn command(joint: &DrivenJoint, python: &str, notes: &mut Vec<Note>) {
                     "it sees the rotor's position, where it should see the joint's",
                 ));
             }
-            let how = "add them to the control as goal + (feedforward + derivative * speed) / proportional";
-            notes.push(Note::lost("goal_speed_rad_s, feedforward_nm", how));
+            let how = "in the control: goal + (feedforward + derivative * speed) / proportional";
+            notes.push(Note::held("goal_speed_rad_s, feedforward_nm", how));
         }
         Command::Goal(_, servo) => {
             let how = format!("actuator '{name}': gain, duty limit as forcerange; dcmotor '{name}_back_emf'");

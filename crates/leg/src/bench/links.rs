@@ -61,6 +61,16 @@ pub(super) fn parameters(
 }
 
 impl LinkParameters {
+    /// The body, which the joint of the same number moves.
+    pub fn body(&self) -> usize {
+        self.body
+    }
+
+    /// Where its parameters are among the robot's.
+    pub fn at(&self) -> impl Iterator<Item = usize> + use<> {
+        [Some(self.mass), self.com, Some(self.moment)].into_iter().flatten()
+    }
+
     /// Puts the values into a tree.
     pub fn apply(&self, values: &[f64], tree: &mut MovingBodies) {
         let com = self.com.map_or(1.0, |at| values[at] / self.com_m);

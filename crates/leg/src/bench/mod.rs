@@ -23,6 +23,7 @@ mod joint;
 mod links;
 mod model;
 mod observed;
+mod parts;
 mod predict;
 mod records;
 mod rub;

@@ -4,6 +4,7 @@ use super::begin::Begin;
 use super::joint::{Column, Joint, refused_with_spring};
 use super::links::{self, LinkParameters};
 use super::observed::Observed;
+use super::parts::Parts;
 use super::stated::with_embedded;
 use super::{RobotFile, alike};
 use crate::LegError;
@@ -44,7 +45,8 @@ pub struct RobotModel {
     pub(super) plain: Option<Arc<Self>>,
     /// Factors of the servos' proportional gains by the record's name and the joint; 1 where none is there.
     pub(super) gains: BTreeMap<String, BTreeMap<String, f64>>,
-    links: Vec<LinkParameters>,
+    pub(super) links: Vec<LinkParameters>,
+    pub(super) parts: Parts,
     pub(super) parameters: Vec<Parameter>,
     /// Included effects: the joint, or none for one that all have alike, and the id there.
     pub(super) included: Vec<(Option<usize>, String)>,
@@ -135,6 +137,7 @@ impl RobotModel {
             joints.push(Joint { name: joint.name.clone(), slides, sprung, damping, refused, model, at });
         }
         let links = links::parameters(&robot, &tree, &mut parameters);
+        let parts = Parts::of(&tree);
         let mut model = Self {
             name: robot.name.clone(),
             robot: Arc::new(robot),
@@ -143,6 +146,7 @@ impl RobotModel {
             plain: None,
             gains: BTreeMap::new(),
             links,
+            parts,
             parameters,
             included: Vec::new(),
             starts: BTreeMap::new(),

@@ -70,17 +70,18 @@ impl Observed {
 }
 
 impl Pulls {
-    /// The torques, N m, over the step from a point of the grid on, for positions (rad) and speeds (rad/s) in its middle.
+    /// The torques, N m, on some joints over the step from a point of the grid on, for their positions (rad) and speeds (rad/s) in its
+    /// middle.
     pub fn torques(
         &self,
-        step: usize,
+        (joints, step): (&[usize], usize),
         (q, v): (&[f64], &[f64]),
         inertia: impl Fn(usize, usize) -> f64,
         torques: &mut [f64],
     ) {
         let middle = |values: &[f64]| 0.5 * (values[step] + values[step + 1]);
         let acceleration = |j: usize| {
-            let to = &self.to[j];
+            let to = &self.to[joints[j]];
             let (behind, slower) = (middle(&to.position) - q[j], middle(&to.speed) - v[j]);
             self.rate * (self.rate * behind + 2.0 * slower)
         };
@@ -118,7 +119,7 @@ mod tests {
         let pulls = Pulls { to: vec![still(1.0), still(0.0)], speed_at_samples: Vec::new(), rate: 10.0 };
         let mass = [[2.0, 0.5], [0.5, 1.0]];
         let mut torques = [0.0; 2];
-        pulls.torques(0, (&[0.0, 0.0], &[0.0, 3.0]), |i, j| mass[i][j], &mut torques);
+        pulls.torques((&[0, 1], 0), (&[0.0, 0.0], &[0.0, 3.0]), |i, j| mass[i][j], &mut torques);
         // 100 rad/s^2 on the first joint, -2 * 10 * 3 on the second.
         assert_eq!(torques, [2.0 * 100.0 - 0.5 * 60.0, 0.5 * 100.0 - 60.0]);
     }

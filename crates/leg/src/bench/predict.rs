@@ -3,10 +3,11 @@
 use super::RobotModel;
 use super::joint::{Column, Joint};
 use super::observed::Pulls;
-use super::simulate::{Course, JointTrace, Machine};
+use super::parts::Asked;
+use super::simulate::JointTrace;
 use nalgebra::Cholesky;
 use sealegs_actuator::bench::{Fed, command_times, search_step_without_springs};
-use sealegs_actuator::plant::{Feed, Grid, Plant, Servo, sample};
+use sealegs_actuator::plant::{Grid, Plant, Servo, sample};
 use sealegs_model::{ModelError, Prediction, Record, Signal, internal};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -17,15 +18,15 @@ const OF_PLAY: f64 = 0.2;
 
 /// A robot that has moved as a record's commands say.
 pub(super) struct Ran {
-    machine: Machine,
-    traces: Vec<JointTrace>,
+    drives: Vec<Plant>,
+    traces: Vec<Arc<JointTrace>>,
     grid: Grid,
     pulls: Option<Arc<Pulls>>,
 }
 
 impl RobotModel {
-    /// The robot with parameter values in place, each drive told what it is in the record.
-    fn machine(&self, values: &[f64], record: &Record) -> Result<Machine, ModelError> {
+    /// The drives with parameter values in place, each told what it is in the record.
+    fn drives(&self, values: &[f64], record: &Record) -> Result<Vec<Plant>, ModelError> {
         let plant = |joint: &Joint| {
             let input = joint.command_in(record)?.map_or(joint.effort(), |(input, _)| input);
             let mut plant = joint.model.plant(&joint.own(values), input)?;
@@ -35,9 +36,7 @@ impl RobotModel {
             }
             Ok(plant)
         };
-        let drives = self.joints.iter().map(plant).collect::<Result<Vec<Plant>, ModelError>>()?;
-        let damping = self.joints.iter().map(|joint| joint.damping).collect();
-        Ok(Machine::new(self.tree_at(values), drives, damping))
+        self.joints.iter().map(plant).collect()
     }
 
     /// A wanted step, s, made short enough to follow what springs and transmissions do. One that yields evenly is taken implicitly:
@@ -89,7 +88,7 @@ impl RobotModel {
     ///
     /// # Errors
     ///
-    /// [`ModelError::BadParameter`] for a record of fewer than two rows, and those of [`Machine::run`].
+    /// [`ModelError::BadParameter`] for a record of fewer than two rows, and those of [`super::simulate::Machine::run`].
     pub(super) fn ran_from(
         &self,
         values: &[f64],
@@ -103,29 +102,27 @@ impl RobotModel {
                 admitted: "at least 2",
             });
         }
-        let machine = self.machine(values, record)?;
+        let drives = self.drives(values, record)?;
         let period_s = record.mean_period_s();
         let fewer = self.steps_per_sample.map_or(0.0, |n| search_step_without_springs(period_s, n));
-        let step_s = self.step_with(self.step_s.max(fewer), &machine.drives);
+        let step_s = self.step_with(self.step_s.max(fewer), &drives);
         let grid = Grid::covering(&record.time_s, step_s);
         let value =
             |name: &str| self.parameters.iter().position(|p| p.name == name).map_or(0.0, |i| values[i]);
         let told = command_times(record, value);
-        let fed = self.joints.iter().zip(&machine.drives).map(|(joint, plant)| {
+        let told = |i: usize, plant: &Plant| {
+            let joint = &self.joints[i];
             Ok(match joint.command_in(record)? {
                 Some((_, command)) => {
                     Fed::of(plant, record, (&told, command), |column| joint.beside(record, column), &grid)
                 }
                 None => Fed::default(),
             })
-        });
-        let fed = fed.collect::<Result<Vec<Fed>, ModelError>>()?;
-        let feeds: Vec<Feed> = fed.iter().map(Fed::feed).collect();
-        let names: Vec<String> = self.joints.iter().map(|j| j.name.clone()).collect();
+        };
         let pulls = self.observed.as_ref().and_then(|observed| observed.pulls(record, &grid));
-        let course = Course { start, feeds: &feeds, pulls: pulls.as_deref(), grid };
-        let traces = machine.run(&course, &names)?;
-        Ok(Ran { machine, traces, grid, pulls })
+        let asked = Asked { record, values, start, pulls: pulls.as_deref(), grid, told: &told };
+        let (drives, traces) = self.moved(&asked, drives)?;
+        Ok(Ran { drives, traces, grid, pulls })
     }
 
     /// What the sensors show of a motion at a record's time stamps.
@@ -145,7 +142,7 @@ impl RobotModel {
             let Some((i, column)) = self.find(channel) else {
                 return Err(ModelError::UnknownChannel { channel: channel.clone() });
             };
-            let (joint, drive, trace) = (&self.joints[i], &ran.machine.drives[i], &ran.traces[i]);
+            let (joint, drive, trace) = (&self.joints[i], &ran.drives[i], &ran.traces[i]);
             let (dense, scale, ahead_s) = match column {
                 Column::Position => (Cow::from(&trace.position), 1.0, 0.0),
                 Column::Speed => (Cow::from(&trace.speed), 1.0, 0.0),
@@ -196,7 +193,7 @@ impl RobotModel {
         if let Some(pulls) = shown {
             for (i, trace) in ran.traces.iter().enumerate() {
                 let channel = format!("{}.{}rotor", self.joints[i].name, internal::MISSING);
-                let damping = ran.machine.drives[i].damping;
+                let damping = ran.drives[i].damping;
                 let values = pulls.missing(i, trace, damping, time_s, grid);
                 internals.push(Signal { channel, values });
             }

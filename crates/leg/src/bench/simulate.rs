@@ -63,6 +63,11 @@ impl JointTrace {
         }
     }
 
+    /// How many numbers it holds.
+    pub fn numbers(&self) -> usize {
+        5 * self.position.len() + 2 * self.rotor.0.len()
+    }
+
     /// Position of the rotor, referred to the joint, rad.
     pub fn rotor_position(&self) -> &[f64] {
         if self.rotor.0.is_empty() { &self.position } else { &self.rotor.0 }
@@ -81,6 +86,8 @@ impl JointTrace {
 
 /// How a run goes.
 pub(super) struct Course<'a> {
+    /// What the joints are of the robot's, for the pulls.
+    pub joints: &'a [usize],
     /// Position and speed by joint.
     pub start: &'a [(f64, f64)],
     /// What each joint's drive is told.
@@ -211,7 +218,7 @@ impl Machine {
     ///
     /// [`ModelError::NotFinite`] when a joint runs away, [`ModelError::BadParameter`] for a mass matrix that is not positive
     /// definite.
-    pub fn run(&self, course: &Course, names: &[String]) -> Result<Vec<JointTrace>, ModelError> {
+    pub fn run(&self, course: &Course, names: &[&str]) -> Result<Vec<JointTrace>, ModelError> {
         let mut now = State::of(self, course.start);
         let mut traces: Vec<JointTrace> = self
             .rotor
@@ -233,7 +240,7 @@ impl Machine {
             self.to_middle(&mut now, course.grid.step_s);
             self.drive(course, step, &traces, &mut now);
             if let Some(pulls) = course.pulls {
-                self.pull(pulls, step, &mut now);
+                self.pull(pulls, (course.joints, step), &mut now);
             }
             if !self.accelerate(&mut now) {
                 let (name, admitted) = ("mass matrix".to_owned(), "such that every joint moves some mass");
@@ -301,11 +308,11 @@ impl Machine {
     }
 
     /// Adds the pull of an observer.
-    fn pull(&self, pulls: &Pulls, step: usize, now: &mut State) {
+    fn pull(&self, pulls: &Pulls, at: (&[usize], usize), now: &mut State) {
         let n = self.drives.len();
         let equations = &now.equations;
         let inertia = |i, j| self.inertia(equations, i, j);
-        pulls.torques(step, (&now.mid_q[..n], &now.mid_v[..n]), inertia, &mut now.pulled);
+        pulls.torques(at, (&now.mid_q[..n], &now.mid_v[..n]), inertia, &mut now.pulled);
         now.force.iter_mut().zip(&now.pulled).for_each(|(force, pull)| *force += pull);
     }
 

@@ -146,6 +146,26 @@ impl MovingBodies {
         body.inertia *= moments;
     }
 
+    /// The bodies in groups that do not move one another, each in their order: of what stands on the base.
+    pub fn parts(&self) -> Vec<Vec<usize>> {
+        let mut parts: Vec<Vec<usize>> = Vec::new();
+        for (i, body) in self.bodies.iter().enumerate() {
+            match body.parent.and_then(|parent| parts.iter_mut().find(|part| part.contains(&parent))) {
+                Some(part) => part.push(i),
+                None => parts.push(vec![i]),
+            }
+        }
+        parts
+    }
+
+    /// One of the [`parts`](Self::parts) by itself.
+    pub fn part(&self, bodies: &[usize]) -> Self {
+        let own = |i: usize| bodies.iter().position(|body| *body == i);
+        let body =
+            |i: &usize| Body { parent: self.bodies[*i].parent.and_then(own), ..self.bodies[*i].clone() };
+        Self { bodies: bodies.iter().map(body).collect(), base: self.base, gravity: self.gravity }
+    }
+
     /// Room for the equations.
     pub fn equations(&self) -> Equations {
         let n = self.bodies.len();

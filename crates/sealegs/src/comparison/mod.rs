@@ -19,6 +19,7 @@ use crate::diagnosis::bounds;
 use crate::diagnosis::drift::Astray;
 use crate::diagnosis::outcome::parameters;
 use sealegs_model::Model;
+use sealegs_sysid::campaign::Bench;
 use sealegs_sysid::diagnose::fit_holding;
 use sealegs_sysid::frequency::{self, ChannelResponse};
 use sealegs_sysid::locate::{Location, locate};
@@ -27,8 +28,11 @@ use sealegs_sysid::sanity::{self, Finding};
 use sealegs_sysid::structure::{self, StructureTest};
 use sealegs_sysid::{Campaign, Data, Evaluation, Fit, FitOptions, Role, residual};
 
-/// Integration steps per sampling period of the fit that an exact one begins from, where a simulation is dear: as a diagnosis searches.
-const STEPS_PER_SAMPLE: f64 = 4.0;
+/// Integration steps per sampling period of the fits of a robot that an exact one begins from: as a diagnosis searches, and finer.
+const STEPS_PER_SAMPLE: [f64; 2] = [4.0, 16.0];
+
+/// Most steps of such a fit: a model that is far from the log goes a long way, and each of its steps is cheap.
+const MOST_STEPS: usize = 200;
 
 /// The runs of one role with both evaluations.
 pub struct Part<'a> {
@@ -127,7 +131,7 @@ pub fn compare<'a>(
         let after = match (role, &fitted) {
             _ if as_is => None,
             (Role::Fit, _) => {
-                let found = own_fit(&data, model)?;
+                let found = own_fit(campaign, &data, model)?;
                 let evaluation = found.evaluation.clone();
                 fitted = Some(found);
                 Some(evaluation)
@@ -143,19 +147,23 @@ pub fn compare<'a>(
     Ok(Compared::of(campaign, model.name(), fitted, parts, sanity, work))
 }
 
-/// The model's own parameters fitted to the fit runs. One that is dear to simulate is fitted with longer steps first, and
-/// from there with its own: these change little, and each is many times as dear.
-fn own_fit(data: &Data, model: &dyn Model) -> Result<Fit> {
+/// The model's own parameters fitted to the fit runs. Those of a robot with many joints are fitted with longer steps first, and from
+/// there with its own: these change little, and each is many times as dear. Where they change nothing, that fit is the last.
+fn own_fit(campaign: &Campaign, data: &Data, model: &dyn Model) -> Result<Fit> {
     let options = FitOptions { last: true, ..FitOptions::of(model) };
-    if !model.is_dear() {
+    if campaign.bench != Bench::Robot || !model.is_dear() {
         return Ok(fit_holding(data, model, &options)?);
     }
-    // What cannot be simulated with longer steps is fitted with its own from the start.
-    let near = fit_holding(data, model.coarser(STEPS_PER_SAMPLE).as_ref(), &options).ok();
-    let from = near.map_or_else(
-        || options.clone(),
-        |near| FitOptions { start: Some(near.values), starts: 1, ..options.clone() },
-    );
+    let mut from = options.clone();
+    for steps in STEPS_PER_SAMPLE {
+        let (coarse, thorough) = (model.coarser(steps), FitOptions { max_steps: MOST_STEPS, ..from.clone() });
+        // What cannot be simulated with longer steps is fitted with its own.
+        let Ok(near) = fit_holding(data, coarse.as_ref(), &thorough) else { break };
+        let exactly = data.evaluate(model, &near.values).map_or(f64::INFINITY, |e| e.cost);
+        let nothing = options.tolerance * near.evaluation.rms.powi(2).max(1.0);
+        let max_steps = if (exactly - near.cost).abs() < nothing { 0 } else { options.max_steps };
+        from = FitOptions { start: Some(near.values), starts: 1, max_steps, ..options.clone() };
+    }
     Ok(fit_holding(data, model, &from)?)
 }
 

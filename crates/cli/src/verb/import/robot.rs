@@ -55,11 +55,18 @@ impl KnownRobot {
         let logged = joints_of(&first);
         let is = self.told_apart(&logged.iter().map(String::as_str).collect::<Vec<_>>());
         let lone = logged.is_empty() && self.joints.len() == 1;
+        // A column whose quantity nobody would look for behind its joint's name.
+        let within = |name: &str| {
+            let mut all = (0..logged.len()).filter(|i| has_word(name, &logged[*i]));
+            all.next().filter(|_| all.next().is_none()).map(|i| is[i])
+        };
         let of = |column: &ColumnSurvey| -> Option<Is> {
-            let target = &column.role.as_ref()?.target;
+            let target = column.role.as_ref().map_or("", |role| role.target.as_str());
             match target.rsplit_once('.') {
                 Some((joint, _)) => Some(is[logged.iter().position(|name| name == joint)?]),
-                None => (lone && target != "time_s").then_some(Is::Named(0)),
+                None if target == "time_s" => None,
+                None if lone && !target.is_empty() => Some(Is::Named(0)),
+                None => within(&column.name),
             }
         };
         let named = |(column, own): (&ColumnSurvey, &str)| match of(column)? {
@@ -168,6 +175,13 @@ fn joints_of(found: &Survey) -> Vec<String> {
 fn key(name: &str) -> String {
     let name: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
     name.replace("joint", "")
+}
+
+/// Whether a name has another one between its words.
+fn has_word(name: &str, word: &str) -> bool {
+    let ends = |c: Option<char>| c.is_none_or(|c| !c.is_alphanumeric());
+    name.match_indices(word)
+        .any(|(at, _)| ends(name[..at].chars().next_back()) && ends(name[at + word.len()..].chars().next()))
 }
 
 /// What is before the end of a name, if it has that end, and this is not the end of a number of several digits.
