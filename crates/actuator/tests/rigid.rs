@@ -3,7 +3,7 @@
 use sealegs_actuator::bench::{Bench, BenchModel, OUTPUTS, PendulumRig, RunSetup};
 use sealegs_actuator::excitation::Profile;
 use sealegs_actuator::plant::Grid;
-use sealegs_actuator::spec::ServoSpec;
+use sealegs_actuator::spec::{Feedback, ServoSpec};
 use sealegs_actuator::{ActuatorError, ActuatorSpec};
 use sealegs_model::{Excitation, InputHold, Model, Record, Signal, SignalRange, internal};
 
@@ -38,6 +38,7 @@ fn servo() -> BenchModel {
         dead_band_rad: 0.0,
         command_delay_s: 0.0,
         feedback_delay_s: 0.0,
+        feedback: Feedback::Joint,
         rate_hz: None,
     });
     BenchModel::new(spec, Bench::Pendulum(PENDULUM)).expect("good")

@@ -242,13 +242,25 @@ fn reference_a_transmission_that_yields_or_has_play_is_as_on_its_bench() {
     let torque = |t: f64| 0.9 * (4.0 * t).sin() + 0.2 * (17.0 * t).cos();
     let torques = record(&[("hinge.torque_nm", &torque)], &[("hinge.angle_rad", 0.2)]);
     let goals = record(&[("hinge.position_rad", &goal)], &[("hinge.angle_rad", 0.0)]);
-    for (drive, record) in [(TORQUE, &torques), (SERVO, &goals)] {
+    let by_motor = format!("{IMPEDANCE}feedback = \"motor\"\n");
+    for (drive, record) in
+        [(TORQUE, &torques), (SERVO, &goals), (IMPEDANCE, &goals), (by_motor.as_str(), &goals)]
+    {
         let soft = |step_s| off(drive, record, Some(("series-compliance", &[25.0, 0.05])), step_s);
         assert!(soft(5e-4) < 2e-3, "{}", soft(5e-4));
         assert!(soft(2.5e-4) < 0.5 * soft(1e-3), "{} {}", soft(2.5e-4), soft(1e-3));
         let play = |step_s| off(drive, record, Some(("backlash", &[0.04, 300.0])), step_s);
         assert!(play(2e-4) < 4e-3, "{}", play(2e-4));
     }
+    // A loop that sees the rotor leaves the joint behind by what the transmission yields and by its play.
+    let ends = |drive: &str| {
+        let folder = folder();
+        let arm = robot(folder.path(), ARM, drive).including("hinge/backlash", &Excitation::default());
+        let arm = at_rest(arm.expect("play"), &goals);
+        let shown = arm.predict(&ending(&arm, &[0.04, 300.0]), &goals, &["hinge.angle_rad".to_owned()]);
+        shown.expect("finite").outputs.swap_remove(0).values
+    };
+    assert!(farthest(&ends(IMPEDANCE), &ends(&by_motor)) > 0.01);
 }
 
 /// A rotary drive with a spring of 60 N m/rad and 0.02 kg m^2 of rotor at the joint.

@@ -5,14 +5,14 @@ use super::{Bench, BenchModel};
 use crate::effect::Effect;
 use crate::effect::{ActuatorKind, CommandKind, PwmDeadZone, Setting, TransportDelay, limit_current};
 use crate::plant::{Link, Plant, Servo, Winding};
-use crate::spec::ServoSpec;
+use crate::spec::Feedback;
 use crate::{Coefficients, Kind};
 use sealegs_model::{Excitation, ModelError, SignalRange, internal};
 
 impl BenchModel {
     /// The input columns that the actuator can take.
     pub(super) fn inputs_of(&self) -> &'static [&'static str] {
-        channel::inputs(if self.spec.servo.as_ref().is_some_and(ServoSpec::commands_torque) {
+        channel::inputs(if self.spec.has_torque_loop() {
             Side::Impedance
         } else if self.spec.servo.is_some() {
             Side::Servo
@@ -25,9 +25,10 @@ impl BenchModel {
         })
     }
 
-    /// The winding where the command is a voltage or a goal; `None` where the file does not give what it takes.
+    /// The winding where the command is a voltage or a goal; `None` where the file does not give what it takes, or the loop commands
+    /// a torque.
     fn winding(&self, c: &Coefficients) -> Option<Winding> {
-        if self.spec.servo.as_ref().is_some_and(ServoSpec::commands_torque) {
+        if self.spec.has_torque_loop() {
             return None;
         }
         let (resistance_ohm, supply_v) = (self.spec.motor.winding_resistance_ohm?, self.spec.motor.supply_v?);
@@ -92,10 +93,9 @@ impl BenchModel {
     ) -> Result<(), ModelError> {
         let constant = value("force_constant", self.spec.coefficients().force_constant);
         plant.command_offset = value("input_offset", 0.0);
-        let impedance = self.spec.servo.as_ref().is_some_and(ServoSpec::commands_torque);
         match input {
             "current_a" => plant.force_per_command = constant,
-            "position_rad" if impedance => {
+            "position_rad" if self.spec.has_torque_loop() => {
                 plant.force_per_command = value("motor_gain", 1.0);
                 self.close_loop(plant, constant, None)?;
             }
@@ -137,6 +137,7 @@ impl BenchModel {
             },
             dead_band: servo.dead_band_rad,
             feedback_delay_s: servo.feedback_delay_s,
+            sees_rotor: servo.feedback == Feedback::Motor,
             period_s: servo.rate_hz.map(|rate| 1.0 / rate),
             goal_offset: plant.command_offset,
             supply_v,

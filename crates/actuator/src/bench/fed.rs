@@ -47,7 +47,7 @@ impl Fed {
         let stages = &plant.laws.command_stages;
         let held = |time_s: &[f64], values| mean_per_step(time_s, values, InputHold::ZeroOrder, &[], grid);
         let driven = |name: &str| beside(name).filter(|_| plant.winding.is_some() || plant.servo.is_some());
-        let commands_torque = plant.servo.is_some_and(|servo| servo.supply_v.is_none());
+        let commands_torque = plant.servo.is_some_and(|servo| servo.commands_torque());
         let beside_goal = |name: &str| {
             let values = beside(name).filter(|_| commands_torque)?;
             Some(mean_per_step(told, values, record.hold, stages, grid))

@@ -80,6 +80,7 @@ fn bench() -> Plant {
         limit: 1.0,
         dead_band: 0.0,
         feedback_delay_s: 0.0,
+        sees_rotor: false,
         period_s: None,
         goal_offset: 0.0,
         supply_v: Some(1.0),

@@ -21,6 +21,8 @@ pub struct Servo {
     pub dead_band: f64,
     /// Age of the position that the loop sees, s.
     pub feedback_delay_s: f64,
+    /// Whether it sees the rotor's position, referred to the output, in the place of the output's.
+    pub sees_rotor: bool,
     /// Sampling period of the loop, s; `None` where it is continuous.
     pub period_s: Option<f64>,
     /// Constant error of the goal, rad.
@@ -51,7 +53,7 @@ pub struct Loop {
     sample: u64,
 }
 
-/// The output's motion from the start to the point where a step begins.
+/// The motion of the output, or of the rotor, from the start to the point where a step begins.
 #[derive(Debug, Clone, Copy)]
 pub struct Past<'a> {
     /// Position at every point, rad.
@@ -67,6 +69,12 @@ pub struct Past<'a> {
 const FOLLOWED: f64 = 0.25;
 
 impl Servo {
+    /// Whether it commands a torque and no voltage.
+    #[must_use]
+    pub fn commands_torque(&self) -> bool {
+        self.supply_v.is_none()
+    }
+
     /// The duty (or torque, N m) over the step that begins at the last point of the `past`.
     fn given(&self, told: &Told, past: Past, of: &mut Loop) -> f64 {
         let n = past.position.len() - 1;
@@ -111,7 +119,7 @@ impl Servo {
     /// sampling period has whole steps. By powers of two, so that a fit does not change it at each of its own steps.
     #[must_use]
     pub fn step_following(&self, wanted_s: f64, inertia: f64) -> f64 {
-        if self.supply_v.is_some() {
+        if !self.commands_torque() {
             return wanted_s;
         }
         let oscillates = (inertia / self.proportional).sqrt();
@@ -130,7 +138,7 @@ impl Servo {
         let ahead = point - last as f64;
         if ahead >= 0.0 {
             // Of first order: a step's own acceleration is known after it.
-            let rate = if self.supply_v.is_none() && last > 0 { speed[last] - speed[last - 1] } else { 0.0 };
+            let rate = if self.commands_torque() && last > 0 { speed[last] - speed[last - 1] } else { 0.0 };
             return (position[last] + ahead * step_s * speed[last], speed[last] + ahead * rate);
         }
         if point <= 0.0 {
@@ -238,6 +246,7 @@ mod tests {
             limit: 1.0,
             dead_band: 0.0,
             feedback_delay_s: 0.0,
+            sees_rotor: false,
             period_s: None,
             goal_offset: 0.0,
             supply_v: Some(7.4),

@@ -9,8 +9,8 @@ mod preset;
 pub(crate) use known::narrowed;
 pub use parameters::{BASE_PARAMETERS, ParameterSpec, is_assumed_bound};
 pub use parts::{
-    Configuration, EffectSpec, EffectValue, Kind, LinkageSpec, Motor, Ratings, SensorSpec, ServoSpec,
-    Transmission,
+    Configuration, EffectSpec, EffectValue, Feedback, Kind, LinkageSpec, Motor, Ratings, SensorSpec,
+    ServoSpec, Transmission,
 };
 
 use std::collections::BTreeMap;
@@ -235,6 +235,12 @@ impl ActuatorSpec {
         plain.parameters.values_mut().for_each(|said| said.std = None);
         plain.effects.iter_mut().flat_map(|e| e.parameters.values_mut()).for_each(|given| given.std = None);
         plain
+    }
+
+    /// Whether the drive follows a goal by a loop that commands a torque.
+    #[must_use]
+    pub fn has_torque_loop(&self) -> bool {
+        self.servo.as_ref().is_some_and(ServoSpec::commands_torque)
     }
 
     /// What a drive without a spring must not have, and what its servo needs.

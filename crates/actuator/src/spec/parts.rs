@@ -138,8 +138,27 @@ impl Transmission {
     }
 }
 
-/// A position loop inside the drive, whose command is a goal; `e = goal - position` of the output. Only for a rotary drive
-/// without a spring.
+/// Whose position and speed a loop sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Feedback {
+    /// The output's, as of an encoder at the joint.
+    #[default]
+    Joint,
+    /// The rotor's over the ratio, as of the one encoder that most quasi-direct drives have: ahead of the joint by play and by
+    /// what the transmission yields.
+    Motor,
+}
+
+impl Feedback {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+    fn is_joint(&self) -> bool {
+        *self == Self::Joint
+    }
+}
+
+/// A position loop inside the drive, whose command is a goal; `e = goal - position` of the output, or as `feedback` says. Only for
+/// a rotary drive without a spring.
 ///
 /// A hobby servo's sets a voltage: `duty = clamp(k_p e - k_d position' + k_i integral(e))`, and the motor gets duty times supply. That of
 /// a joint under impedance control commands a torque at the output: `clamp(k_p e + k_d (goal' - position') + feed-forward)`.
@@ -182,6 +201,9 @@ pub struct ServoSpec {
     /// Age of the position that the loop sees, s.
     #[serde(default)]
     pub feedback_delay_s: f64,
+    /// Whose position the loop sees.
+    #[serde(default, skip_serializing_if = "Feedback::is_joint")]
+    pub feedback: Feedback,
     /// Sampling rate of the loop, Hz; continuous if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,

@@ -84,7 +84,7 @@ fn command(joint: &DrivenJoint, python: &str, notes: &mut Vec<Note>) {
                     "MuJoCo's own loop is continuous and sees no age",
                 ));
             }
-            if joint.coupling.is_some() {
+            if joint.coupling.is_some() && !servo.sees_rotor {
                 notes.push(Note::near(
                     "position loop",
                     "it sees the rotor's position, where it should see the joint's",
@@ -94,6 +94,12 @@ fn command(joint: &DrivenJoint, python: &str, notes: &mut Vec<Note>) {
             notes.push(Note::held("goal_speed_rad_s, feedforward_nm", how));
         }
         Command::Goal(_, servo) => {
+            if joint.coupling.is_some() && servo.sees_rotor {
+                notes.push(Note::near(
+                    "position loop",
+                    "it sees the joint's position, where it should see the rotor's",
+                ));
+            }
             let how = format!("actuator '{name}': gain, duty limit as forcerange; dcmotor '{name}_back_emf'");
             notes.push(Note::held(format!("command {input}"), how));
             let mut more = Vec::new();

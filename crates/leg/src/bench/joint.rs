@@ -2,7 +2,6 @@
 
 use sealegs_actuator::bench::BenchModel;
 use sealegs_actuator::effect::{CATALOGUE, Setting, is_of_joint};
-use sealegs_actuator::spec::ServoSpec;
 use sealegs_model::columns::BESIDE;
 use sealegs_model::{Excitation, Model, ModelError, Record, SignalRange};
 
@@ -78,11 +77,6 @@ impl Joint {
             (false, true) => "motor_torque_nm",
             (false, false) => "joint_torque_nm",
         }
-    }
-
-    /// Whether its drive follows a goal by a loop that commands a torque.
-    pub fn has_torque_loop(&self) -> bool {
-        self.model.spec().servo.as_ref().is_some_and(ServoSpec::commands_torque)
     }
 
     /// The columns that its sensors can show.

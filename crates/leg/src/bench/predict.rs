@@ -47,7 +47,7 @@ impl RobotModel {
             plant.step_following(wanted_s, least)
         };
         let step_s = drives.iter().map(follow).fold(wanted_s, f64::min);
-        let loops = drives.iter().map(|plant| plant.servo.filter(|servo| servo.supply_v.is_none()));
+        let loops = drives.iter().map(|plant| plant.servo.filter(Servo::commands_torque));
         let loops: Vec<(usize, Servo)> =
             loops.enumerate().filter_map(|(i, servo)| Some((i, servo?))).collect();
         if loops.is_empty() {

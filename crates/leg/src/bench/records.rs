@@ -23,8 +23,9 @@ impl RobotModel {
         self.starts.extend(starts.collect::<Vec<_>>());
         for joint in &self.joints {
             let input = |record: &&Record| joint.command_in(record).ok().flatten().map(|(input, _)| input);
-            let is_torque =
-                |input: &str| input == joint.effort() || (input == "position_rad" && joint.has_torque_loop());
+            let is_torque = |input: &str| {
+                input == joint.effort() || (input == "position_rad" && joint.model.spec().has_torque_loop())
+            };
             if !records.iter().filter_map(input).all(is_torque) {
                 continue;
             }
@@ -42,7 +43,7 @@ impl RobotModel {
             |joint: &&Joint| GOAL_COLUMNS.iter().any(|c| channel == format!("{}.{c}", joint.name));
         if let Some(joint) = self.joints.iter().find(beside_goal) {
             let follows = matches!(joint.command_in(record), Ok(Some(("position_rad", _))));
-            return (!follows || !joint.has_torque_loop()).then(|| {
+            return (!follows || !joint.model.spec().has_torque_loop()).then(|| {
                 format!(
                     "is for a joint that follows a goal by a loop which commands a torque: the drive of '{}' has no [servo] with \
                      proportional_nm_per_rad, or it has no column {}.position_rad",

@@ -280,7 +280,11 @@ impl Machine {
             now.matrix[(c, c)] += plant.reflected_inertia + 0.5 * h * plant.damping;
             let mut command = feed.command(step);
             if let Some(servo) = &plant.servo {
-                let past = Past { position: &trace.position, speed: &trace.speed, step_s: h };
+                let (position, speed) = match servo.sees_rotor {
+                    true => (trace.rotor_position(), trace.rotor_speed()),
+                    false => (&trace.position[..], &trace.speed[..]),
+                };
+                let past = Past { position, speed, step_s: h };
                 command = servo.command(&feed.told(step), past, &mut now.loops[i]);
             }
             let (q, v, load) = (&now.mid_q, &now.mid_v, now.load[i]);

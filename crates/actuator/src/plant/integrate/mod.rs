@@ -230,7 +230,10 @@ impl<'a, const N: usize> Stepper<'a, N> {
         for n in 0..self.grid.steps {
             let mut command = feed.command(n);
             if let Some((servo, of)) = &mut servo {
-                let (position, speed) = trace.output();
+                let (position, speed) = match servo.sees_rotor {
+                    true => (&trace.screw_position[..], &trace.screw_speed[..]),
+                    false => trace.output(),
+                };
                 let past = Past { position, speed, step_s: self.grid.step_s };
                 command = servo.command(&feed.told(n), past, of);
             }
