@@ -242,10 +242,9 @@ fn reference_a_transmission_that_yields_or_has_play_is_as_on_its_bench() {
     let torque = |t: f64| 0.9 * (4.0 * t).sin() + 0.2 * (17.0 * t).cos();
     let torques = record(&[("hinge.torque_nm", &torque)], &[("hinge.angle_rad", 0.2)]);
     let goals = record(&[("hinge.position_rad", &goal)], &[("hinge.angle_rad", 0.0)]);
+    // A stiff loop that sees the joint behind a soft transmission would swing up; that of a rotor does not.
     let by_motor = format!("{IMPEDANCE}feedback = \"motor\"\n");
-    for (drive, record) in
-        [(TORQUE, &torques), (SERVO, &goals), (IMPEDANCE, &goals), (by_motor.as_str(), &goals)]
-    {
+    for (drive, record) in [(TORQUE, &torques), (SERVO, &goals), (by_motor.as_str(), &goals)] {
         let soft = |step_s| off(drive, record, Some(("series-compliance", &[25.0, 0.05])), step_s);
         assert!(soft(5e-4) < 2e-3, "{}", soft(5e-4));
         assert!(soft(2.5e-4) < 0.5 * soft(1e-3), "{} {}", soft(2.5e-4), soft(1e-3));
