@@ -20,8 +20,11 @@ pub const GOAL_SPEED: &str = "goal_speed_rad_s";
 /// The torque that such a loop adds to its own, N m.
 pub const FEEDFORWARD: &str = "feedforward_nm";
 
+/// What a controller adds to a torque (N m) or force (N) that it is told, by where its joint is: it compensates gravity.
+pub const GRAVITY: [&str; 2] = ["gravity_nm", "gravity_n"];
+
 /// What a drive reads beside its command.
-pub const BESIDE: [&str; 5] = [ENABLE, SUPPLY, TEMPERATURE, GOAL_SPEED, FEEDFORWARD];
+pub const BESIDE: [&str; 7] = [ENABLE, SUPPLY, TEMPERATURE, GOAL_SPEED, FEEDFORWARD, GRAVITY[0], GRAVITY[1]];
 
 /// Commands to a joint of a robot, behind the joint's name and a dot; the goal of a servo's own loop is the last.
 pub const JOINT_COMMANDS: [&str; 5] = ["torque_nm", "force_n", "current_a", "voltage_v", "position_rad"];

@@ -1,7 +1,7 @@
 //! What a record tells a drive, and feeds it with, over the steps of a grid.
 
 use crate::plant::{Feed, Grid, Plant, mean_per_step};
-use sealegs_model::columns::{ENABLE, FEEDFORWARD, GOAL_SPEED, SUPPLY, TEMPERATURE};
+use sealegs_model::columns::{ENABLE, FEEDFORWARD, GOAL_SPEED, GRAVITY, SUPPLY, TEMPERATURE};
 use sealegs_model::{InputHold, Record};
 use std::borrow::Cow;
 
@@ -27,6 +27,7 @@ pub fn command_times(record: &Record, value: impl Fn(&str) -> f64) -> Cow<'_, [f
 #[derive(Debug, Clone, Default)]
 pub struct Fed {
     commands: Vec<f64>,
+    added: Option<Vec<f64>>,
     goal_speed: Option<Vec<f64>>,
     feedforward: Option<Vec<f64>>,
     enable: Option<Vec<f64>>,
@@ -41,7 +42,7 @@ impl Fed {
         plant: &Plant,
         record: &'a Record,
         (told, command): (&[f64], &[f64]),
-        beside: impl Fn(&str) -> Option<&'a [f64]>,
+        beside: impl Fn(&str) -> Option<&'a [f64]> + Copy,
         grid: &Grid,
     ) -> Self {
         let stages = &plant.laws.command_stages;
@@ -61,6 +62,12 @@ impl Fed {
         let felt = plant.laws.rotor_friction.iter().any(|law| law.feels_temperature());
         Self {
             commands: mean_per_step(told, command, record.hold, stages, grid),
+            // It follows the joint, and is computed many times between two rows.
+            added: GRAVITY
+                .into_iter()
+                .find_map(beside)
+                .filter(|_| plant.servo.is_none() && plant.winding.is_none())
+                .map(|added| mean_per_step(&record.time_s, added, InputHold::Linear, &[], grid)),
             goal_speed: beside_goal(GOAL_SPEED),
             feedforward: beside_goal(FEEDFORWARD),
             enable: driven(ENABLE).map(switched),
@@ -74,6 +81,7 @@ impl Fed {
     pub fn feed(&self) -> Feed<'_> {
         Feed {
             commands: &self.commands,
+            added: self.added.as_deref(),
             goal_speed: self.goal_speed.as_deref(),
             feedforward: self.feedforward.as_deref(),
             enable: self.enable.as_deref(),

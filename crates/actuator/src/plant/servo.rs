@@ -183,6 +183,8 @@ impl Winding {
 pub struct Feed<'a> {
     /// The mean command over each step, in its unit; of a servo the goal. Zero after the last.
     pub commands: &'a [f64],
+    /// What a controller adds to commanded efforts by where the joint is, in their unit.
+    pub added: Option<&'a [f64]>,
     /// The goal's own speed, rad/s, of a loop that commands a torque.
     pub goal_speed: Option<&'a [f64]>,
     /// What is added to that torque, N m.
@@ -200,7 +202,8 @@ impl Feed<'_> {
     #[must_use]
     #[inline(always)]
     pub fn command(&self, step: usize) -> f64 {
-        self.commands.get(step).copied().unwrap_or(0.0)
+        let over = |values: &[f64]| values.get(step).copied().unwrap_or(0.0);
+        over(self.commands) + self.added.map_or(0.0, over)
     }
 
     /// What a servo's loop is told over a step.

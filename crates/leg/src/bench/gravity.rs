@@ -2,23 +2,25 @@
 
 use super::RobotModel;
 use super::joint::{Column, Joint};
-use sealegs_model::Record;
+use sealegs_model::columns::GRAVITY;
+use sealegs_model::{Record, Signal};
 
 impl RobotModel {
-    /// Adds to the torques (N m, sliding joints: forces, N) that a record commands those that hold the robot, as its URDF has it, at
-    /// rest where each row measured its joints: what a controller that compensates gravity by itself adds to what it is told.
-    /// The number of joints whose commands were changed.
+    /// Puts beside the torques (N m, sliding joints: forces, N) that a record commands those that hold the robot, as its URDF has it, at
+    /// rest where each row measured its joints: what a controller that compensates gravity by itself adds to what it is told. It
+    /// does so many times between two rows, as the joints move: they are columns of their own, `JOINT.gravity_nm`, which are
+    /// interpolated. The number of joints that have one.
     ///
     /// # Errors
     ///
     /// The position's channel of a joint that the record does not measure: gravity depends on it.
     pub fn compensate_gravity(&self, record: &mut Record) -> Result<usize, String> {
         let effort = |joint: &Joint| {
-            let own = joint.commands().into_iter().find(|(_, input)| *input == joint.effort())?;
-            record.inputs.iter().position(|signal| signal.channel == own.0)
+            let own = joint.commands().into_iter().find(|(_, input)| *input == joint.effort());
+            own.is_some_and(|(channel, _)| record.input(&channel).is_some())
         };
-        let told: Vec<Option<usize>> = self.joints.iter().map(effort).collect();
-        let number = told.iter().flatten().count();
+        let told: Vec<bool> = self.joints.iter().map(effort).collect();
+        let number = told.iter().filter(|told| **told).count();
         if number == 0 {
             return Ok(0);
         }
@@ -29,15 +31,17 @@ impl RobotModel {
         let positions = self.joints.iter().map(position).collect::<Result<Vec<_>, _>>()?;
         let mut equations = self.tree.equations();
         let still = vec![0.0; positions.len()];
+        let mut holding: Vec<Vec<f64>> = vec![Vec::with_capacity(record.len()); positions.len()];
         for row in 0..record.len() {
             let posture: Vec<f64> = positions.iter().map(|of| of[row]).collect();
             self.tree.at(&posture, &still, &mut equations);
-            for (signal, holds) in told.iter().zip(&equations.bias) {
-                if let Some(signal) = signal {
-                    record.inputs[*signal].values[row] += holds;
-                }
-            }
+            holding.iter_mut().zip(&equations.bias).for_each(|(of, holds)| of.push(*holds));
         }
+        let all = self.joints.iter().zip(told).zip(holding).filter(|((_, told), _)| *told);
+        record.inputs.extend(all.map(|((joint, _), values)| {
+            let what = GRAVITY[usize::from(joint.slides)];
+            Signal { channel: format!("{}.{what}", joint.name), values }
+        }));
         Ok(number)
     }
 }
@@ -62,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn the_torque_that_holds_a_pendulum_is_added_to_its_command() {
+    fn the_torque_that_holds_a_pendulum_stands_beside_its_command() {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("p.urdf"), URDF).expect("written");
         let file = RobotFile::of_urdf("p.urdf", "rigid-rotary", folder.path());
@@ -70,10 +74,12 @@ mod tests {
         let angle = Signal { channel: "hinge.angle_rad".into(), values: vec![0.0, 0.7, -1.2] };
         let mut with_angle = record(vec![angle.clone()]);
         assert_eq!(model.compensate_gravity(&mut with_angle), Ok(1));
-        for (told, angle) in with_angle.inputs[0].values.iter().zip(angle.values) {
+        let added = with_angle.input("hinge.gravity_nm").expect("beside the command");
+        for (added, angle) in added.iter().zip(angle.values) {
             let holds = 2.0 * 9.81 * 0.4 * angle.sin();
-            assert!((told - 0.5 - holds).abs() < 1e-12, "{told} at {angle}");
+            assert!((added - holds).abs() < 1e-12, "{added} at {angle}");
         }
+        assert_eq!(with_angle.input("hinge.torque_nm"), Some(&[0.5; 3][..]));
         assert_eq!(model.compensate_gravity(&mut record(Vec::new())), Err("hinge.angle_rad".to_owned()));
     }
 }
