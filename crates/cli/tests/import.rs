@@ -277,16 +277,18 @@ fn with_a_urdf_columns_get_the_names_of_its_joints() {
     let (urdf, log, out) =
         (folder.path().join("arm.urdf"), folder.path().join("log.csv"), folder.path().join("new"));
     std::fs::write(&urdf, LIFT).unwrap();
-    let rows = |header: &str| {
-        let wave = |n: i32| f64::from(n % 7) * 0.1;
+    let wave = |n: i32| f64::from(n % 7) * 0.1;
+    let rows_of = |header: &str, values: &dyn Fn(i32) -> [f64; 4]| {
         let row = |n: i32| {
-            format!("{},{},{},{},{}\n", f64::from(n) * 0.01, wave(n), wave(n + 1), wave(n + 2), wave(n + 3))
+            let [a, b, c, d] = values(n);
+            format!("{},{a},{b},{c},{d}\n", f64::from(n) * 0.01)
         };
         std::fs::write(&log, format!("{header}\n{}", (0..40).map(row).collect::<String>())).unwrap();
         let _ = std::fs::remove_dir_all(&out);
         said(&["import", text(&urdf), text(&log), "-o", text(&out)]);
         std::fs::read_to_string(out.join("campaign.toml")).unwrap()
     };
+    let rows = |header: &str| rows_of(header, &|n| [wave(n), wave(n + 1), wave(n + 2), wave(n + 3)]);
     let written = rows("t,elbow_pos,lift_pos,elbow_tau_J_d,lift_tau_J_d");
     for line in [
         "robot = \"../arm.urdf\"",
@@ -307,6 +309,39 @@ fn with_a_urdf_columns_get_the_names_of_its_joints() {
         assert!(written.contains(line), "{line}: {written}");
     }
     assert!(!written.contains("gravity_compensated"), "{written}");
+    // The lift stands still, in the first column: the others keep their places, and it says where.
+    let written = rows_of("t,q_0,q_1,q_2,tau_J_d_1", &|n| [1.5, wave(n), wave(n + 1), wave(n + 2)]);
+    for line in [
+        "\"q_0\" = \"arm_lift_joint.position_m\"",
+        "the joint stands there",
+        "\"q_1\" = \"arm_shoulder_joint.angle_rad\"",
+        "\"q_2\" = \"arm_elbow_joint.angle_rad\"",
+    ] {
+        assert!(written.contains(line), "{line}: {written}");
+    }
+    // The program's own names, and joints within a path.
+    let written = rows(
+        "t,arm_elbow_joint.position_rad,arm_elbow_joint.angle_rad,cmd.arm_shoulder_joint.q,motors.arm_shoulder_joint.q",
+    );
+    for line in [
+        "\"arm_elbow_joint.position_rad\" = \"arm_elbow_joint.position_rad\"",
+        "\"arm_elbow_joint.angle_rad\" = \"arm_elbow_joint.angle_rad\"",
+        "\"cmd.arm_shoulder_joint.q\" = \"arm_shoulder_joint.position_rad\"",
+        "\"motors.arm_shoulder_joint.q\" = \"arm_shoulder_joint.angle_rad\"",
+        "actuator = \"hobby-servo\"",
+    ] {
+        assert!(written.contains(line), "{line}: {written}");
+    }
+    // A goal's speed and a feed-forward are of a loop that commands a torque.
+    let written = rows("t,elbow_q,elbow_q_des,elbow_dq_des,elbow_tau_ff");
+    for line in [
+        "\"elbow_q_des\" = \"arm_elbow_joint.position_rad\"",
+        "\"elbow_dq_des\" = \"arm_elbow_joint.goal_speed_rad_s\"",
+        "\"elbow_tau_ff\" = \"arm_elbow_joint.feedforward_nm\"",
+        "actuator = \"quasi-direct-drive\"",
+    ] {
+        assert!(written.contains(line), "{line}: {written}");
+    }
     for (arguments, word) in [
         (vec!["import", text(&urdf)], "no log file"),
         (vec!["import", text(&urdf), text(&urdf), text(&log)], "second URDF"),

@@ -365,6 +365,16 @@ fn a_robots_columns_and_files_are_refused_by_name() {
     write("good.csv", &rows("time_s,pivot.torque_nm,pivot.angle_rad"));
     write("stray.csv", &rows("time_s,pivt.torque_nm,pivot.angle_rad"));
     write("still.csv", &rows("time_s,pivot.speed_rad_s,pivot.angle_rad"));
+    write("elbow.csv", &rows("time_s,pivot.torque_nm,pivt.angle_rad"));
+    write(
+        "stops.urdf",
+        &urdf.replace(
+            "continuous\">",
+            "revolute\"><limit lower=\"-1\" upper=\"2\" effort=\"9\" velocity=\"9\"/>",
+        ),
+    );
+    let degrees = rows("time_s,pivot.torque_nm,pivot.angle_rad").replace(",0.1,0.", ",0.1,90.");
+    write("degrees.csv", &degrees);
     let campaign = |robot: &str, actuator: &str, file: &str| {
         write(
             "campaign.toml",
@@ -380,6 +390,8 @@ fn a_robots_columns_and_files_are_refused_by_name() {
     for (said, part) in [
         (campaign(robot, drive, "stray.csv"), "did you mean 'pivot.torque_nm'?"),
         (campaign(robot, drive, "still.csv"), "<joint>.torque_nm"),
+        (campaign(robot, drive, "elbow.csv"), "did you mean 'pivot.angle_rad'?"),
+        (campaign("robot = \"stops.urdf\"", drive, "degrees.csv"), "in degrees? { as = \"pivot.angle_rad\""),
         (campaign(robot, "", "good.csv"), "'actuator' must name the drive"),
         (campaign("", drive, "good.csv"), "robot"),
         (campaign("robot = \"two.urdf\"", drive, "good.csv"), "two.urdf"),

@@ -109,7 +109,7 @@ impl DrivenRobot {
         let plant = model.plant(&values, input)?;
         let mut command = command_of(&plant);
         if let (Command::Goal(_, servo) | Command::Impedance(servo), Some(setup)) = (&mut command, setup) {
-            servo.proportional *= setup.servo_gain;
+            *servo = servo.times(setup.servo_gain);
         }
         let slides = model.spec().kind == Kind::Linear && !matches!(bench, Bench::Pendulum(_));
         let (arm, name) = match (bench, slides) {

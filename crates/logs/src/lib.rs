@@ -44,6 +44,6 @@ mod zip;
 
 pub use episodes::EPISODE;
 pub use error::{LogError, Place, place};
-pub use guess::is_time;
+pub use guess::{is_time, joint_of};
 pub use open::{Format, parse, read};
 pub use table::{Column, Fault, Log, Places, Table};

@@ -1,14 +1,28 @@
 //! What a campaign's columns say of a robot beside its file: which joints stand still, and which are of another kind than the drive
 //! of all.
 
+use crate::{Error, Result};
+use sealegs_actuator::text::nearest;
 use sealegs_actuator::{ActuatorSpec, Kind};
 use sealegs_leg::bench::RobotFile;
 use sealegs_leg::robot::{Joint, JointKind, Robot};
+use sealegs_model::Signal;
 use sealegs_sysid::Campaign;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Joints that a remark names.
 const NAMED: usize = 6;
+
+/// Columns of a joint that sensors show.
+const MEASURED: [&str; 5] = ["angle_rad", "speed_rad_s", "position_m", "speed_m_s", "motor_angle_rad"];
+
+/// Its angles that its limits bound, measured and wanted.
+const ANGLES: [&str; 2] = ["angle_rad", "position_rad"];
+
+/// An angle beyond this is in degrees, rad, where it is also beyond so many times its joint's limits: no drive turns a joint so far
+/// through its stops.
+const IN_DEGREES: f64 = 20.0;
+const BEYOND: f64 = 3.0;
 
 /// Share of the widest motion of a joint of its kind below which one stands still: a brake, or a loop that holds it, lets it move by
 /// steps of its encoder.
@@ -40,6 +54,48 @@ pub(crate) fn completed(campaign: &mut Campaign, mut file: RobotFile) -> RobotFi
     }
     leave_out(campaign, &file.hold);
     file
+}
+
+/// Refuses what only a wrong name or a wrong unit explains: a column of a joint that the URDF has not, and an angle far beyond its
+/// joint's limits.
+///
+/// # Errors
+///
+/// [`Error::RefusedInput`] for the first of them.
+pub(crate) fn check(campaign: &Campaign, robot: &Robot) -> Result<()> {
+    for run in &campaign.runs {
+        for signal in run.record.inputs.iter().chain(&run.record.outputs) {
+            if let Some(reason) = refused(robot, signal) {
+                let (file, channel) = (run.path.clone(), signal.channel.clone());
+                return Err(Error::RefusedInput { file, channel, reason });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn refused(robot: &Robot, signal: &Signal) -> Option<String> {
+    let (joint, what) = signal.channel.rsplit_once('.')?;
+    let names = || robot.moving_joints().map(|j| j.name.as_str());
+    let Some(of) = robot.joints.iter().find(|j| j.name == joint) else {
+        // What commands no joint is said by the model.
+        let hint =
+            nearest(joint, names()).map(|n| format!("; did you mean '{n}.{what}'?")).unwrap_or_default();
+        let all: Vec<&str> = names().collect();
+        return MEASURED
+            .contains(&what)
+            .then(|| format!("is of no joint of {}{hint}; its joints are {}", robot.name, all.join(", ")));
+    };
+    let most = signal.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let (lower, upper) = (of.limits.lower, of.limits.upper);
+    let beyond = ANGLES.contains(&what) && most > IN_DEGREES && most > BEYOND * lower.abs().max(upper.abs());
+    beyond.then(|| {
+        format!(
+            "goes to {most:.0} rad, and its joint from {lower:.2} to {upper:.2} rad: is it in degrees? \
+             {{ as = \"{}\", unit = \"deg\" }} under [columns] says so",
+            signal.channel
+        )
+    })
 }
 
 /// The joints that columns belong to.

@@ -94,6 +94,7 @@ pub fn of_source(
     };
     let model =
         RobotModel::new(file, own).map_err(|e| Error::RobotFile { file: named, source: Box::new(e) })?;
+    robot_columns::check(campaign, model.robot())?;
     compensate_gravity(campaign, &model)?;
     check_inputs(campaign, |record, channel| model.refuses_input(record, channel))?;
     for (channel, sensor) in model.sensors() {

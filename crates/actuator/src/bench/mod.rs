@@ -321,7 +321,7 @@ impl BenchModel {
         if let Some(run) = run {
             plant.start = run.start;
             if let Some(servo) = &mut plant.servo {
-                servo.proportional *= run.servo_gain;
+                *servo = servo.times(run.servo_gain);
             }
         }
         let rigid = plant.rigid.is_some();

@@ -75,6 +75,14 @@ impl Servo {
         self.supply_v.is_none()
     }
 
+    /// The same loop with so many times the gain: of one that commands a torque both, of a hobby servo's the proportional one, as
+    /// its `kp` register has it.
+    #[must_use]
+    pub fn times(self, gain: f64) -> Self {
+        let derivative = if self.commands_torque() { gain * self.derivative } else { self.derivative };
+        Self { proportional: gain * self.proportional, derivative, ..self }
+    }
+
     /// The duty (or torque, N m) over the step that begins at the last point of the `past`.
     fn given(&self, told: &Told, past: Past, of: &mut Loop) -> f64 {
         let n = past.position.len() - 1;

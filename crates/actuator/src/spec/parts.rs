@@ -165,7 +165,7 @@ impl Feedback {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ServoSpec {
-    /// `k_p` of a loop that commands a torque, N m/rad; a run's `servo_gain` multiplies it.
+    /// `k_p` of a loop that commands a torque, N m/rad; a run's `servo_gain` multiplies it and `k_d`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proportional_nm_per_rad: Option<f64>,
     /// `k_d` of a loop that commands a torque, N m s/rad.

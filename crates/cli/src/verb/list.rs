@@ -1,24 +1,47 @@
 //! `sealegs list`: what comes with the program.
 
-use crate::failure::OrBadInput;
+use crate::failure::{OrBadInput, bad_input};
 use clap::Args;
 use sealegs::actuator::ActuatorSpec;
+use sealegs::actuator::text::nearest;
 use sealegs::catalogue;
 use sealegs::leg::robot::Robot;
-use sealegs::leg::scenario::{Scenario, preset_names};
+use sealegs::leg::scenario::{Scenario, preset_names, preset_text};
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// List the robots, actuators, scenarios, effects and campaigns that come with the program.
+/// List the robots, actuators, scenarios, effects and campaigns that come with the program, or print the file of one.
 #[derive(Args)]
-pub struct List {}
+pub struct List {
+    /// Print the file of this actuator, scenario or robot: `sealegs list quasi-direct-drive > knee.toml` makes a copy to change
+    #[arg(value_name = "NAME")]
+    name: Option<String>,
+}
+
+/// The file of an actuator, a scenario or a robot.
+fn file(name: &str) -> anyhow::Result<&'static str> {
+    let robot = || Robot::preset_texts(name).map(|(urdf, _)| urdf);
+    if let Some(text) = ActuatorSpec::preset_text(name).or_else(|| preset_text(name)).or_else(robot) {
+        return Ok(text);
+    }
+    let robots = Robot::preset_names();
+    let known: Vec<&str> =
+        ActuatorSpec::preset_names().into_iter().chain(preset_names()).chain(robots).collect();
+    let hint =
+        nearest(name, known.iter().copied()).map(|n| format!("; did you mean '{n}'?")).unwrap_or_default();
+    Err(bad_input(format!("'{name}' has no file here{hint} (known: {})", known.join(", "))))
+}
 
 /// Runs the verb.
 ///
 /// # Errors
 ///
-/// If standard output cannot be written.
-pub fn run(_: &List) -> anyhow::Result<u8> {
+/// Bad input for a name that nothing has; if standard output cannot be written.
+pub fn run(arguments: &List) -> anyhow::Result<u8> {
+    if let Some(name) = &arguments.name {
+        std::io::stdout().write_all(file(name)?.as_bytes())?;
+        return Ok(0);
+    }
     let mut out = String::from("scenarios (sealegs run NAME, sealegs impact NAME)\n");
     for name in preset_names() {
         let scenario = Scenario::load(name, &[]).or_bad_input()?;

@@ -32,7 +32,7 @@ impl RobotModel {
             let mut plant = joint.model.plant(&joint.own(values), input)?;
             let gain = self.gains.get(&record.name).and_then(|gains| gains.get(&joint.name));
             if let Some((servo, gain)) = plant.servo.as_mut().zip(gain) {
-                servo.proportional *= gain;
+                *servo = servo.times(*gain);
             }
             Ok(plant)
         };

@@ -1,10 +1,11 @@
 //! What a single column is, by its name and the size of its numbers.
 
 use super::name::{self, Dimension, last_part, quantity_of, without_unit, words};
-use super::words::{ACCELERATION, COMMANDED, COMMANDS, DERIVED, FEEDFORWARD, Quantity, SUPPLY};
+use super::words::{ACCELERATION, COMMANDED, COMMANDS, DERIVED, FEEDFORWARD_WORDS, Quantity, SUPPLY};
 use super::{First, Guess, reach};
 use crate::survey::ColumnSurvey;
 use crate::units;
+use sealegs_model::columns::{FEEDFORWARD, GOAL_SPEED};
 
 /// An angle beyond this is in degrees, rad.
 pub(super) const DEGREES: f64 = 20.0;
@@ -69,14 +70,8 @@ pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &Column
         (Quantity::Current, _) => "current_a",
         (Quantity::Speed, false) if long => "speed_m_s",
         (Quantity::Speed, false) => "speed_rad_s",
-        (Quantity::Speed, true) => {
-            let why = "a goal's speed: goal_speed_rad_s beside the goal of a loop that commands a torque";
-            return Some(Guess::Aside(why.to_owned()));
-        }
-        (Quantity::Torque, _) if find(&FEEDFORWARD).is_some() => {
-            let why = "feed-forward: feedforward_nm beside the goal of a loop that commands a torque";
-            return Some(Guess::Aside(why.to_owned()));
-        }
+        (Quantity::Speed, true) => GOAL_SPEED,
+        (Quantity::Torque, _) if find(&FEEDFORWARD_WORDS).is_some() => FEEDFORWARD,
         (Quantity::Torque, true) if of_motor => "motor_torque_nm",
         (Quantity::Torque, true) => "joint_torque_nm",
         (Quantity::Torque, false) if of_spring => "spring_torque_nm",

@@ -7,6 +7,7 @@ mod words;
 
 pub use clock::is_time;
 pub(crate) use clock::time_unit;
+pub use name::joint as joint_of;
 
 use crate::lerobot;
 use crate::survey::{ColumnSurvey, Role, goes_on};
@@ -54,7 +55,10 @@ pub(crate) fn roles(
             continue;
         }
         let stated = known(own).filter(|own| own.contains('_') && Unit::of_channel(own).is_ok());
-        if let Some(target) = stated {
+        if let Some((_, target)) = of_joint_by_contract(own) {
+            let reason = "the data contract calls it so".to_owned();
+            guesses.push(First { column: i, target, settings: None, reason, rank: 0 });
+        } else if let Some(target) = stated {
             let reason = "the data contract calls it so".to_owned();
             guesses.push(First { column: i, target, settings: None, reason, rank: 0 });
         } else {
@@ -89,10 +93,18 @@ pub(crate) fn roles(
         let name = &table.columns[guess.column].name;
         let of_a_joint_too = several.contains(&guess.target.to_owned()) || name::numbered(name).is_some();
         let named = joints.iter().find(|(column, _)| column == name).map(|(_, joint)| joint.clone());
+        let named = named.or_else(|| of_joint_by_contract(name).map(|(joint, _)| joint.to_owned()));
         let place = named.or_else(|| name::joint(name).filter(|_| many_joints && of_a_joint_too));
-        let target = match place {
-            Some(joint) => format!("{joint}.{}", of_a_joint(guess.target)),
-            None => guess.target.to_owned(),
+        let by_contract = of_joint_by_contract(name).and_then(|_| name.rsplit_once('.'));
+        let target = match (place, by_contract) {
+            (Some(joint), Some((_, what))) => format!("{joint}.{what}"),
+            (Some(joint), None) => format!("{joint}.{}", of_a_joint(guess.target)),
+            (None, _) if [columns::GOAL_SPEED, columns::FEEDFORWARD].contains(&guess.target) => {
+                let why = format!("{}: a joint's {} beside a goal", guess.reason, guess.target);
+                columns[guess.column].aside = Some(why);
+                continue;
+            }
+            (None, _) => guess.target.to_owned(),
         };
         // A bench has one input, and a joint one command.
         let input = |t: &str| columns::INPUTS.contains(&t);
@@ -121,6 +133,16 @@ pub(crate) fn roles(
 fn known(name: &str) -> Option<&'static str> {
     let mut all = columns::INPUTS.into_iter().chain(columns::OUTPUTS).chain(columns::BESIDE);
     all.find(|known| *known == name)
+}
+
+/// The joint and the channel of a column that the contract itself calls so: `knee` and what is behind it of `knee.angle_rad`.
+fn of_joint_by_contract(name: &str) -> Option<(&str, &'static str)> {
+    let (joint, what) = name.rsplit_once('.').filter(|(joint, _)| !joint.is_empty())?;
+    if what == "angle_rad" {
+        return Some((joint, "joint_angle_rad"));
+    }
+    let own = columns::JOINT_COMMANDS.into_iter().chain(columns::BESIDE).chain(columns::OUTPUTS);
+    own.filter(|own| own.contains('_')).find(|own| *own == what).map(|own| (joint, own))
 }
 
 /// What a bench's channel is called behind the name of a joint.

@@ -211,8 +211,18 @@ fn behind_quantity(name: &str) -> Option<String> {
     let (first, rest) = words.split_first()?;
     let names = |w: &&String| !is_kind(w) && !is_quantity(w);
     let joint: Vec<&str> = rest.iter().filter(names).map(String::as_str).collect();
-    let has_letters = joint.iter().any(|w| w.chars().any(char::is_alphabetic));
-    (is_quantity(first) && has_letters).then(|| joint.join("_"))
+    if !is_quantity(first) {
+        return None;
+    }
+    // `tau_J_2` of libfranka is a torque of the second joint.
+    if let [word, number] = joint[..]
+        && JOINT.contains(&word)
+        && number.chars().all(|c| c.is_ascii_digit())
+    {
+        return Some(format!("joint{number}"));
+    }
+    let has_letters = joint.iter().any(|w| w.chars().any(char::is_alphabetic) && !JOINT.contains(w));
+    has_letters.then(|| joint.join("_"))
 }
 
 /// What stands above the quantity in a path: `knee` of `/joint_states/knee/position`, as PlotJuggler writes it.
@@ -239,7 +249,8 @@ pub(super) fn numbered(name: &str) -> Option<&str> {
 
 /// The joint that a name belongs to: what stands in its last brackets, its numbered beginning, what stands before or behind its
 /// quantity, or the number at its end.
-pub(super) fn joint(name: &str) -> Option<String> {
+#[must_use]
+pub fn joint(name: &str) -> Option<String> {
     let (name, _) = without_unit(name);
     let inside = name.rfind('[').and_then(|at| name[at + 1..].strip_suffix(']'));
     if let Some(inside) = inside {
@@ -314,6 +325,8 @@ mod tests {
             ("q_knee", "knee"),
             ("q1_rad", "joint1"),
             ("tau_con1", "joint1"),
+            ("tau_J_d_1", "joint1"),
+            ("tau_J[3]", "joint3"),
             ("positions[2]", "joint2"),
             ("- arm_1_joint_position", "arm_1_joint"),
             ("/joint_states/arm_2_joint/position", "arm_2_joint"),

@@ -107,7 +107,7 @@ pub(super) const ACCELERATION: [&str; 8] =
     ["acc", "accel", "acceleration", "accelerations", "ddot", "qdd", "ddq", "jerk"];
 
 /// What is added to the command of a loop.
-pub(super) const FEEDFORWARD: [&str; 3] = ["ff", "feedforward", "forward"];
+pub(super) const FEEDFORWARD_WORDS: [&str; 3] = ["ff", "feedforward", "forward"];
 
 pub(super) const SUPPLY: [&str; 7] = ["supply", "bus", "vbus", "battery", "vbat", "input", "vin"];
 

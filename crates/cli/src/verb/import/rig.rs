@@ -21,7 +21,12 @@ fn targets<'a>(logs: &'a [(&Path, Log, Survey)]) -> impl Iterator<Item = &'a str
 pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>) -> String {
     let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
     // A goal of the servo's own loop, or the voltage of its motor.
-    let rotary = if has("position_rad") || has("voltage_v") { "hobby-servo" } else { "rigid-rotary" };
+    let impedance = has("goal_speed_rad_s") || has("feedforward_nm");
+    let rotary = match has("position_rad") {
+        true if impedance => "quasi-direct-drive",
+        false if !has("voltage_v") => "rigid-rotary",
+        _ => "hobby-servo",
+    };
     let slides_only = has(".position_m") && !has("angle_rad");
     let drive = if slides_only { "rigid-linear" } else { rotary };
     let constant = |channel: &str| match has("current_a") && rotary == "rigid-rotary" {
@@ -49,11 +54,14 @@ pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>) -> String {
             }
             false => "",
         };
-        let loops = match has("position_rad") {
-            true => {
+        let loops = match (has("position_rad"), impedance) {
+            (true, true) => {
+                "# TODO: a copy of it beside this file with your gains under [servo]: `sealegs list quasi-direct-drive` prints it\n"
+            }
+            (true, false) => {
                 "# TODO: \"quasi-direct-drive\" with your gains in its place, where the controller sends k_p and k_d and a torque (legged robots)\n"
             }
-            false => "",
+            (false, _) => "",
         };
         return format!(
             "bench = \"robot\"            # columns that are called by a joint\n\

@@ -2,8 +2,8 @@
 
 use crate::failure::{OrBadInput, bad_input};
 use sealegs::leg::robot::{JointKind, Robot};
-use sealegs::logs::Log;
-use sealegs::logs::survey::{ColumnSurvey, Survey, survey_named};
+use sealegs::logs::survey::{ColumnSurvey, Role, Survey, survey_named};
+use sealegs::logs::{Log, joint_of};
 use std::path::{Path, PathBuf};
 
 /// A URDF and its joints that move, in the order of the file.
@@ -49,42 +49,64 @@ impl KnownRobot {
         format!("{}: a robot; joints that move: {}", self.file.display(), names.join(", "))
     }
 
-    /// A log looked at again, its joints called as in the URDF. `joints` are those that its format names by column.
+    /// What is in a log, its joints called as in the URDF. `joints` are those that its format names by column. Columns that stand still
+    /// take part: without them the second joint of a list would be the first.
     pub fn survey(&self, log: &Log, joints: &[(String, String)]) -> Survey {
-        let first = survey_named(log, joints);
-        let logged = joints_of(&first);
+        let moved = as_if_all_moved(log);
+        let first = survey_named(&moved, joints);
+        let all =
+            || log.tables.iter().zip(&first.tables).flat_map(|(t, seen)| t.columns.iter().zip(&seen.columns));
+        let said = |own: &str, column: &ColumnSurvey| {
+            let by_role =
+                column.role.as_ref().and_then(|role| role.target.rsplit_once('.')).map(|(j, _)| j.to_owned());
+            let is_one =
+                column.role.as_ref().is_some_and(|role| role.target != "time_s") || column.aside.is_some();
+            by_role.or_else(|| is_one.then(|| joint_of(own)).flatten())
+        };
+        let mut logged: Vec<String> = Vec::new();
+        for (column, seen) in all() {
+            if self.within(&seen.name).is_none()
+                && let Some(joint) = said(&column.name, seen).filter(|joint| !logged.contains(joint))
+            {
+                logged.push(joint);
+            }
+        }
         let is = self.told_apart(&logged.iter().map(String::as_str).collect::<Vec<_>>());
         let lone = logged.is_empty() && self.joints.len() == 1;
-        // A column whose quantity nobody would look for behind its joint's name.
-        let within = |name: &str| {
-            let mut all = (0..logged.len()).filter(|i| has_word(name, &logged[*i]));
-            all.next().filter(|_| all.next().is_none()).map(|i| is[i])
-        };
-        let of = |column: &ColumnSurvey| -> Option<Is> {
-            let target = column.role.as_ref().map_or("", |role| role.target.as_str());
-            match target.rsplit_once('.') {
-                Some((joint, _)) => Some(is[logged.iter().position(|name| name == joint)?]),
-                None if target == "time_s" => None,
-                None if lone && !target.is_empty() => Some(Is::Named(0)),
-                None => within(&column.name),
+        let of = |own: &str, column: &ColumnSurvey| -> Option<Is> {
+            if let Some(joint) = self.within(&column.name) {
+                return Some(Is::Named(joint));
+            }
+            let is_time = column.role.as_ref().is_some_and(|role| role.target == "time_s");
+            match said(own, column) {
+                Some(joint) => Some(is[logged.iter().position(|name| *name == joint)?]),
+                None if lone && column.role.is_some() && !is_time => Some(Is::Named(0)),
+                None => None,
             }
         };
-        let named = |(column, own): (&ColumnSurvey, &str)| match of(column)? {
-            Is::Named(i) | Is::InOrder(i) => Some((own.to_owned(), self.joints[i].name.clone())),
-            Is::Nothing => None,
+        let whose: Vec<(String, Option<Is>)> =
+            all().map(|(c, seen)| (c.name.clone(), of(&c.name, seen))).collect();
+        let named = |(own, is): &(String, Option<Is>)| match is {
+            Some(Is::Named(i) | Is::InOrder(i)) => Some((own.clone(), self.joints[*i].name.clone())),
+            Some(Is::Nothing) | None => None,
         };
-        let both = || first.tables.iter().zip(&log.tables);
-        let names: Vec<(String, String)> = both()
-            .flat_map(|(seen, table)| seen.columns.iter().zip(table.columns.iter().map(|c| c.name.as_str())))
-            .filter_map(named)
-            .chain(joints.iter().cloned())
-            .collect();
+        let names: Vec<(String, String)> =
+            whose.iter().filter_map(named).chain(joints.iter().cloned()).collect();
         let mut found = survey_named(log, &names);
+        let still = survey_named(&moved, &names);
         let columns = found.tables.iter_mut().flat_map(|t| &mut t.columns);
-        for (column, before) in columns.zip(first.tables.iter().flat_map(|t| &t.columns)) {
-            self.suit(column, of(before));
+        let still = still.tables.into_iter().flat_map(|t| t.columns);
+        for ((column, still), (_, is)) in columns.zip(still).zip(&whose) {
+            stand_still(column, still.role);
+            self.suit(column, *is);
         }
         found
+    }
+
+    /// The joint whose name stands in a column's; the longest such name.
+    fn within(&self, column: &str) -> Option<usize> {
+        let all = (0..self.joints.len()).filter(|i| has_word(column, &self.joints[*i].name));
+        all.max_by_key(|i| self.joints[*i].name.len())
     }
 
     /// Which joints of the URDF a log's are: by their names, or, if these do not fit, by their order.
@@ -101,10 +123,18 @@ impl KnownRobot {
         let by_name: Vec<Option<usize>> = fits.iter().map(called).collect();
         let once = |i: &usize| by_name.iter().filter(|other| **other == Some(*i)).count() == 1;
         let named = |found: &Option<usize>| found.filter(once);
-        // Mere numbers that do not all fit may count from zero.
-        let numbers = logged.iter().all(|name| key(name).chars().all(|c| c.is_ascii_digit()));
         let fit = by_name.iter().filter(|found| named(found).is_some()).count();
-        let in_order = logged.len() <= self.joints.len() && (fit == 0 || (numbers && fit < logged.len()));
+        // Mere numbers fit by chance where few of the joints have numbers, and may count from zero.
+        let numbers: Option<Vec<usize>> = logged.iter().map(|name| key(name).parse().ok()).collect();
+        if let Some(numbers) = numbers.filter(|_| fit < logged.len() || 2 * fit <= self.joints.len()) {
+            let first = numbers.iter().min().copied().unwrap_or(0).min(1);
+            let of = |number: &usize| match number - first {
+                i if i < self.joints.len() => Is::InOrder(i),
+                _ => Is::Nothing,
+            };
+            return numbers.iter().map(of).collect();
+        }
+        let in_order = fit == 0 && logged.len() <= self.joints.len();
         let of = |(at, found): (usize, &Option<usize>)| match named(found) {
             _ if in_order => Is::InOrder(at),
             Some(i) => Is::Named(i),
@@ -158,17 +188,27 @@ impl KnownRobot {
     }
 }
 
-/// The joints that columns are guessed to belong to, in the order of the columns.
-fn joints_of(found: &Survey) -> Vec<String> {
-    let mut joints: Vec<String> = Vec::new();
-    for column in found.tables.iter().flat_map(|t| &t.columns) {
-        let joint =
-            column.role.as_ref().and_then(|role| role.target.rsplit_once('.')).map(|(joint, _)| joint);
-        if let Some(joint) = joint.filter(|joint| !joints.iter().any(|known| known == joint)) {
-            joints.push(joint.to_owned());
+/// The log with columns of one number that go on a little, so that these are looked at as the others are.
+fn as_if_all_moved(log: &Log) -> Log {
+    let mut log = log.clone();
+    for column in log.tables.iter_mut().flat_map(|table| &mut table.columns) {
+        let first = column.values.iter().copied().find(|v| v.is_finite());
+        if first.is_some_and(|first| column.values.iter().all(|v| !v.is_finite() || *v == first)) {
+            column.values.iter_mut().enumerate().for_each(|(row, v)| *v += 1e-9 * (row % 7) as f64);
         }
     }
-    joints
+    log
+}
+
+/// Gives the position of a joint that stands still the role that it had if it moved: it says where.
+fn stand_still(column: &mut ColumnSurvey, role: Option<Role>) {
+    let is_position =
+        |role: &Role| [".angle_rad", ".position_m"].iter().any(|what| role.target.ends_with(what));
+    if let Some(mut role) = role.filter(|role| column.role.is_none() && column.constant && is_position(role))
+    {
+        role.reason.push_str("; always the same: the joint stands there");
+        column.role = Some(role);
+    }
 }
 
 /// What a joint's name says: letters and digits in small, without the word `joint`.
@@ -203,18 +243,24 @@ mod tests {
 
     #[test]
     fn joints_are_found_by_names_that_say_the_same_or_by_their_order() {
-        let panda = robot(&["finger_joint1", "panda_joint1", "panda_joint2", "panda_joint11"]);
+        let panda = robot(&["panda_joint1", "panda_joint2", "panda_joint11", "finger_joint1"]);
         let [one, two] = [Is::Named(0), Is::Named(1)];
-        assert_eq!(panda.told_apart(&["panda_joint1", "panda_joint2"]), [two, Is::Named(2)]);
-        assert_eq!(panda.told_apart(&["joint1", "joint2"]), [two, Is::Named(2)]);
-        // They count from zero.
-        assert_eq!(panda.told_apart(&["joint0", "joint1"]), [Is::InOrder(0), Is::InOrder(1)]);
+        assert_eq!(panda.told_apart(&["panda_joint1", "panda_joint2"]), [one, two]);
+        assert_eq!(panda.told_apart(&["joint1", "joint2", "joint11"]), [one, two, Is::Named(2)]);
+        // They count from zero, and not all of them are there.
+        assert_eq!(panda.told_apart(&["joint0", "joint2"]), [Is::InOrder(0), Is::InOrder(2)]);
+        // The wrists' numbers are not the robot's.
+        let ur = robot(&["pan", "lift", "elbow", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"]);
+        assert_eq!(ur.told_apart(&["joint1", "joint2"]), [Is::InOrder(0), Is::InOrder(1)]);
+        assert_eq!(ur.told_apart(&["joint0", "joint1"]), [Is::InOrder(0), Is::InOrder(1)]);
         let legs = robot(&["left_knee", "right_knee", "neck"]);
         assert_eq!(legs.told_apart(&["knee", "neck"]), [Is::Nothing, Is::Named(2)]);
         let leg = robot(&["left_hip_joint", "left_knee_joint"]);
         assert_eq!(leg.told_apart(&["knee", "HIP"]), [two, one]);
         assert_eq!(leg.told_apart(&["q0", "q1"]), [Is::InOrder(0), Is::InOrder(1)]);
-        assert_eq!(leg.told_apart(&["q0", "q1", "q2"]), [Is::Nothing; 3]);
+        assert_eq!(leg.told_apart(&["a", "b", "c"]), [Is::Nothing; 3]);
+        assert_eq!(leg.within("cmd.left_knee_joint.q"), Some(1));
+        assert_eq!(leg.within("left_knee.q"), None);
         assert_eq!(leg.told_apart(&["knee", "toe"]), [two, Is::Nothing]);
     }
 }
