@@ -197,7 +197,7 @@ fn bench_and_actuator_are_those_of_the_columns() {
         ("time_s,motor_force_n,position_m", "free", "rigid-linear"),
         ("time_s,current_a,motor_angle_rad,force_1_n", "locked", "thor-linear"),
         ("time_s,motor_torque_nm,spring_torque_nm,output_torque_nm", "locked", "rmd-x8-rotary-sea"),
-        ("time_s,elbow.torque_nm,elbow.angle_rad", "pendulum", "rigid-rotary"),
+        ("time_s,elbow.torque_nm,elbow.angle_rad", "robot", "rigid-rotary"),
     ];
     for (number, (columns, bench, actuator)) in logs.into_iter().enumerate() {
         let wide = columns.split(',').count() - 1;
@@ -319,6 +319,20 @@ fn with_a_urdf_columns_get_the_names_of_its_joints() {
     ] {
         assert!(written.contains(line), "{line}: {written}");
     }
+    // A brake holds the shoulder: nothing commands it, and least of all what its sensor shows.
+    let written =
+        rows_of("t,q_1,tau_J_1,tau_J_d_1,tau_J_2", &|n| [wave(n), wave(n + 1), wave(n + 2), wave(n + 3)]);
+    assert!(written.contains("\"tau_J_2\" = \"arm_shoulder_joint.torque_nm\""), "{written}");
+    let held = std::fs::read_to_string(&log).unwrap().replace("tau_J_2", "tau_J_2,tau_J_d_2");
+    let held: Vec<String> =
+        held.lines().enumerate().map(|(n, l)| if n == 0 { l.into() } else { format!("{l},0") }).collect();
+    std::fs::write(&log, held.join("\n")).unwrap();
+    let told = said(&["import", text(&urdf), text(&log)]);
+    assert!(
+        !told.contains("-> arm_shoulder_joint.torque_nm")
+            && told.contains("'tau_J_d_2' is taken in its place"),
+        "{told}"
+    );
     // The program's own names, and joints within a path.
     let written = rows(
         "t,arm_elbow_joint.position_rad,arm_elbow_joint.angle_rad,cmd.arm_shoulder_joint.q,motors.arm_shoulder_joint.q",
@@ -329,6 +343,13 @@ fn with_a_urdf_columns_get_the_names_of_its_joints() {
         "\"cmd.arm_shoulder_joint.q\" = \"arm_shoulder_joint.position_rad\"",
         "\"motors.arm_shoulder_joint.q\" = \"arm_shoulder_joint.angle_rad\"",
         "actuator = \"hobby-servo\"",
+    ] {
+        assert!(written.contains(line), "{line}: {written}");
+    }
+    let written = rows("t,action.arm_elbow_joint.pos,observation.arm_elbow_joint.pos,x,y");
+    for line in [
+        "\"action.arm_elbow_joint.pos\" = \"arm_elbow_joint.position_rad\"",
+        "\"observation.arm_elbow_joint.pos\" = \"arm_elbow_joint.angle_rad\"",
     ] {
         assert!(written.contains(line), "{line}: {written}");
     }

@@ -88,7 +88,10 @@ pub(super) const COMMANDED: [&str; 23] = [
 ];
 
 /// Of these a topic or a list above the column may be called as well.
-pub(super) const COMMANDS: [&str; 11] = [
+pub(super) const COMMANDS: [&str; 14] = [
+    "action",
+    "actions",
+    "goal",
     "cmd",
     "command",
     "commands",

@@ -81,7 +81,11 @@ impl KnownRobot {
             match said(own, column) {
                 Some(joint) => Some(is[logged.iter().position(|name| *name == joint)?]),
                 None if lone && column.role.is_some() && !is_time => Some(Is::Named(0)),
-                None => None,
+                // A column whose quantity nobody would look for behind its joint's name: `elbow_tau_J_d`.
+                None => {
+                    let mut all = (0..logged.len()).filter(|i| has_word(&column.name, &logged[*i]));
+                    all.next().filter(|_| all.next().is_none()).map(|i| is[i])
+                }
             }
         };
         let whose: Vec<(String, Option<Is>)> =
@@ -97,7 +101,7 @@ impl KnownRobot {
         let columns = found.tables.iter_mut().flat_map(|t| &mut t.columns);
         let still = still.tables.into_iter().flat_map(|t| t.columns);
         for ((column, still), (_, is)) in columns.zip(still).zip(&whose) {
-            stand_still(column, still.role);
+            settle(column, still);
             self.suit(column, *is);
         }
         found
@@ -200,14 +204,18 @@ fn as_if_all_moved(log: &Log) -> Log {
     log
 }
 
-/// Gives the position of a joint that stands still the role that it had if it moved: it says where.
-fn stand_still(column: &mut ColumnSurvey, role: Option<Role>) {
+/// What a column is beside those that stand still, as they would be if they moved: the position of a joint that stands says where, and
+/// a measured torque commands no joint that has a command which stands.
+fn settle(column: &mut ColumnSurvey, if_moved: ColumnSurvey) {
     let is_position =
         |role: &Role| [".angle_rad", ".position_m"].iter().any(|what| role.target.ends_with(what));
-    if let Some(mut role) = role.filter(|role| column.role.is_none() && column.constant && is_position(role))
-    {
-        role.reason.push_str("; always the same: the joint stands there");
-        column.role = Some(role);
+    match (&column.role, if_moved.role) {
+        (None, Some(mut role)) if column.constant && is_position(&role) => {
+            role.reason.push_str("; always the same: the joint stands there");
+            column.role = Some(role);
+        }
+        (Some(_), None) => (column.role, column.aside) = (None, if_moved.aside),
+        _ => {}
     }
 }
 
