@@ -43,7 +43,7 @@ pub struct ParameterSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
     /// Never changed by a fit. Without it, `motor_gain` and `sprung_mass` are fixed unless something else is
-    /// said of them, and all others are free.
+    /// said of them, and all others are free; so is the `motor_gain` of a loop that commands a torque.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fixed: Option<bool>,
     /// How a search steps: `linear` or `logarithmic`.
@@ -111,10 +111,17 @@ impl ActuatorSpec {
             })
             .map(|((name, linear, rotary), value)| {
                 let unit = if self.kind == Kind::Linear { linear } else { rotary };
-                parameter(name, unit, value, self.parameters.get(name))
+                let strength = (name == "motor_gain" && self.has_torque_loop()).then(motor_strength);
+                parameter(name, unit, value, self.parameters.get(name).or(strength.as_ref()))
             })
             .collect()
     }
+}
+
+/// What is known of the torque that a motor gives over the one that a loop commands, where the file says nothing: torque constants vary
+/// by a tenth from motor to motor, an estimate.
+fn motor_strength() -> ParameterSpec {
+    ParameterSpec { tolerance: Some(0.1), ..ParameterSpec::default() }
 }
 
 fn parameter(name: &str, unit: &str, value: f64, said: Option<&ParameterSpec>) -> Parameter {
