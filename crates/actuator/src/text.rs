@@ -16,6 +16,12 @@ pub fn nearest<'a>(wanted: &str, known: impl IntoIterator<Item = &'a str>) -> Op
         .map(|(_, k)| k.to_owned())
 }
 
+/// `; did you mean 'x'?` with the name that comes near, else nothing.
+#[must_use]
+pub fn meant<'a>(wanted: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    nearest(wanted, known).map_or_else(String::new, |n| format!("; did you mean '{n}'?"))
+}
+
 /// Parses TOML into a type whose structs deny unknown keys; `file` is only named in messages.
 ///
 /// # Errors

@@ -247,16 +247,22 @@ fn a_dataset_of_lerobot_becomes_a_robot_with_a_run_for_each_episode() {
     let told = said(&["import", text(&file), "-o", text(&out)]);
     assert!(told.contains("-> pan.position_rad") && told.contains("-> lift.angle_rad"), "{told}");
     let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
-    for line in
-        ["bench = \"robot\"", "actuator = \"hobby-servo\"", "file = \"../data/chunk-000/file-000.parquet\""]
-    {
-        assert!(written.contains(line), "{line}: {written}");
-    }
+    holds(
+        &written,
+        &["bench = \"robot\"", "actuator = \"hobby-servo\"", "file = \"../data/chunk-000/file-000.parquet\""],
+    );
     let campaign = Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{written}"));
     assert_eq!(campaign.runs.len(), 3);
     assert!(campaign.runs[1].record.name.ends_with("#1"), "{}", campaign.runs[1].record.name);
     let record = &campaign.runs[0].record;
     assert!(record.input("pan.position_rad").is_some() && record.output("lift.angle_rad").is_some());
+}
+
+/// Asserts that a text has all these parts.
+fn holds(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "{part}: {text}");
+    }
 }
 
 /// A lift that slides, and a shoulder and an elbow on it that turn.
@@ -290,35 +296,38 @@ fn with_a_urdf_columns_get_the_names_of_its_joints() {
     };
     let rows = |header: &str| rows_of(header, &|n| [wave(n), wave(n + 1), wave(n + 2), wave(n + 3)]);
     let written = rows("t,elbow_pos,lift_pos,elbow_tau_J_d,lift_tau_J_d");
-    for line in [
-        "robot = \"../arm.urdf\"",
-        "gravity_compensated = true",
-        "\"elbow_pos\" = \"arm_elbow_joint.angle_rad\"",
-        "\"lift_pos\" = \"arm_lift_joint.position_m\"",
-        "\"lift_tau_J_d\" = \"arm_lift_joint.force_n\"",
-    ] {
-        assert!(written.contains(line), "{line}: {written}");
-    }
+    holds(
+        &written,
+        &[
+            "robot = \"../arm.urdf\"",
+            "gravity_compensated = true",
+            "\"elbow_pos\" = \"arm_elbow_joint.angle_rad\"",
+            "\"lift_pos\" = \"arm_lift_joint.position_m\"",
+            "\"lift_tau_J_d\" = \"arm_lift_joint.force_n\"",
+        ],
+    );
     // A name that says nothing is a joint by its order, which somebody has to look at.
     let written = rows("t,q[0],q[1],tau[0],tau[1]");
-    for line in [
-        "\"q[0]\" = \"arm_lift_joint.position_m\"",
-        "\"tau[1]\" = \"arm_shoulder_joint.torque_nm\"",
-        "by its order",
-    ] {
-        assert!(written.contains(line), "{line}: {written}");
-    }
+    holds(
+        &written,
+        &[
+            "\"q[0]\" = \"arm_lift_joint.position_m\"",
+            "\"tau[1]\" = \"arm_shoulder_joint.torque_nm\"",
+            "by its order",
+        ],
+    );
     assert!(!written.contains("gravity_compensated"), "{written}");
     // The lift stands still, in the first column: the others keep their places, and it says where.
     let written = rows_of("t,q_0,q_1,q_2,tau_J_d_1", &|n| [1.5, wave(n), wave(n + 1), wave(n + 2)]);
-    for line in [
-        "\"q_0\" = \"arm_lift_joint.position_m\"",
-        "the joint stands there",
-        "\"q_1\" = \"arm_shoulder_joint.angle_rad\"",
-        "\"q_2\" = \"arm_elbow_joint.angle_rad\"",
-    ] {
-        assert!(written.contains(line), "{line}: {written}");
-    }
+    holds(
+        &written,
+        &[
+            "\"q_0\" = \"arm_lift_joint.position_m\"",
+            "the joint stands there",
+            "\"q_1\" = \"arm_shoulder_joint.angle_rad\"",
+            "\"q_2\" = \"arm_elbow_joint.angle_rad\"",
+        ],
+    );
     // A brake holds the shoulder: nothing commands it, and least of all what its sensor shows.
     let written =
         rows_of("t,q_1,tau_J_1,tau_J_d_1,tau_J_2", &|n| [wave(n), wave(n + 1), wave(n + 2), wave(n + 3)]);
@@ -337,32 +346,35 @@ fn with_a_urdf_columns_get_the_names_of_its_joints() {
     let written = rows(
         "t,arm_elbow_joint.position_rad,arm_elbow_joint.angle_rad,cmd.arm_shoulder_joint.q,motors.arm_shoulder_joint.q",
     );
-    for line in [
-        "\"arm_elbow_joint.position_rad\" = \"arm_elbow_joint.position_rad\"",
-        "\"arm_elbow_joint.angle_rad\" = \"arm_elbow_joint.angle_rad\"",
-        "\"cmd.arm_shoulder_joint.q\" = \"arm_shoulder_joint.position_rad\"",
-        "\"motors.arm_shoulder_joint.q\" = \"arm_shoulder_joint.angle_rad\"",
-        "actuator = \"hobby-servo\"",
-    ] {
-        assert!(written.contains(line), "{line}: {written}");
-    }
+    holds(
+        &written,
+        &[
+            "\"arm_elbow_joint.position_rad\" = \"arm_elbow_joint.position_rad\"",
+            "\"arm_elbow_joint.angle_rad\" = \"arm_elbow_joint.angle_rad\"",
+            "\"cmd.arm_shoulder_joint.q\" = \"arm_shoulder_joint.position_rad\"",
+            "\"motors.arm_shoulder_joint.q\" = \"arm_shoulder_joint.angle_rad\"",
+            "actuator = \"hobby-servo\"",
+        ],
+    );
     let written = rows("t,action.arm_elbow_joint.pos,observation.arm_elbow_joint.pos,x,y");
-    for line in [
-        "\"action.arm_elbow_joint.pos\" = \"arm_elbow_joint.position_rad\"",
-        "\"observation.arm_elbow_joint.pos\" = \"arm_elbow_joint.angle_rad\"",
-    ] {
-        assert!(written.contains(line), "{line}: {written}");
-    }
+    holds(
+        &written,
+        &[
+            "\"action.arm_elbow_joint.pos\" = \"arm_elbow_joint.position_rad\"",
+            "\"observation.arm_elbow_joint.pos\" = \"arm_elbow_joint.angle_rad\"",
+        ],
+    );
     // A goal's speed and a feed-forward are of a loop that commands a torque.
     let written = rows("t,elbow_q,elbow_q_des,elbow_dq_des,elbow_tau_ff");
-    for line in [
-        "\"elbow_q_des\" = \"arm_elbow_joint.position_rad\"",
-        "\"elbow_dq_des\" = \"arm_elbow_joint.goal_speed_rad_s\"",
-        "\"elbow_tau_ff\" = \"arm_elbow_joint.feedforward_nm\"",
-        "actuator = \"quasi-direct-drive\"",
-    ] {
-        assert!(written.contains(line), "{line}: {written}");
-    }
+    holds(
+        &written,
+        &[
+            "\"elbow_q_des\" = \"arm_elbow_joint.position_rad\"",
+            "\"elbow_dq_des\" = \"arm_elbow_joint.goal_speed_rad_s\"",
+            "\"elbow_tau_ff\" = \"arm_elbow_joint.feedforward_nm\"",
+            "actuator = \"quasi-direct-drive\"",
+        ],
+    );
     for (arguments, word) in [
         (vec!["import", text(&urdf)], "no log file"),
         (vec!["import", text(&urdf), text(&urdf), text(&log)], "second URDF"),

@@ -88,7 +88,7 @@ fn command(joint: &DrivenJoint, reach: Reach, notes: &mut Vec<Note>) {
             Note::lost(what, format!("the loop is yours to close: {stiffness} N m per rad of error, {damping} N m s per rad"))
         }
         Command::Goal(_, servo) => {
-            let per_rad = num(gain_of(joint, servo.proportional * servo.supply_v.unwrap_or(1.0)) * joint.arm);
+            let per_rad = num(gain_of(joint, servo.proportional * servo.per_given()) * joint.arm);
             Note::lost(what, format!("the loop is yours to close: {per_rad} N m per rad of error; the back-EMF is the joint's damping"))
         }
     });
@@ -116,22 +116,18 @@ fn bring(driven_joint: &DrivenJoint, joint: &Joint, reach: Reach, made: &mut Rig
         made.damping += constant * constant / resistance;
         effort = bench.command_limit().map_or(f64::INFINITY, |limit| limit * constant.abs());
     }
-    if let Command::Goal(_, servo) = &driven_joint.command {
-        effort = effort.min(gain_of(driven_joint, servo.limit * servo.supply_v.unwrap_or(1.0)).abs());
+    // Torque at the joint per unit of what a loop gives.
+    let looped = match &driven_joint.command {
+        Command::Goal(_, servo) => Some((servo, gain_of(driven_joint, servo.per_given()))),
+        Command::Impedance(servo) => Some((servo, bench.gain)),
+        Command::Effort | Command::Voltage(_) => None,
+    };
+    if let Some((servo, per_given)) = looped {
+        effort = effort.min((servo.limit * per_given).abs());
         drive.delay_s += servo.feedback_delay_s;
         if reach == Reach::Armature {
             // The loop is one of the drive's own travel.
-            let at_joint = |per_travel: f64| {
-                gain_of(driven_joint, per_travel * servo.supply_v.unwrap_or(1.0)) * driven_joint.arm
-            };
-            (drive.spring, drive.derivative) = (at_joint(servo.proportional), at_joint(servo.derivative));
-        }
-    }
-    if let Command::Impedance(servo) = &driven_joint.command {
-        effort = driven_joint.most_of(servo, &bench);
-        drive.delay_s += servo.feedback_delay_s;
-        if reach == Reach::Armature {
-            let at_joint = |per_travel: f64| per_travel * bench.gain * driven_joint.arm;
+            let at_joint = |per_travel: f64| per_travel * per_given * driven_joint.arm;
             (drive.spring, drive.derivative) = (at_joint(servo.proportional), at_joint(servo.derivative));
         }
     }

@@ -75,6 +75,12 @@ impl Servo {
         self.supply_v.is_none()
     }
 
+    /// The command per unit of what the loop gives: the supply without a measured one, V, or 1 of a torque.
+    #[must_use]
+    pub fn per_given(&self) -> f64 {
+        self.supply_v.unwrap_or(1.0)
+    }
+
     /// The same loop with so many times the gain: of one that commands a torque both, of a hobby servo's the proportional one, as
     /// its `kp` register has it.
     #[must_use]
@@ -119,8 +125,8 @@ impl Servo {
     ///
     /// If the past has no point.
     pub fn command(&self, told: &Told, past: Past, of: &mut Loop) -> f64 {
-        let given = self.given(told, past, of);
-        self.supply_v.map_or(given, |own| told.supply_v.unwrap_or(own) * given)
+        let measured = told.supply_v.filter(|_| !self.commands_torque());
+        measured.unwrap_or(self.per_given()) * self.given(told, past, of)
     }
 
     /// A wanted step of integration, s, or a shorter one: what a loop that commands a torque does to an inertia (kg m^2) is followed, and a

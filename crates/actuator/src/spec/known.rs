@@ -6,7 +6,7 @@
 use super::{ActuatorSpec, Kind, ParameterSpec};
 use crate::ActuatorError;
 use crate::effect::{ActuatorKind, CATALOGUE, Setting};
-use crate::text::nearest;
+use crate::text::meant;
 use sealegs_model::Parameter;
 
 /// Standard deviations from a value with a tolerance that are admitted where no bounds are stated.
@@ -58,9 +58,7 @@ pub(super) fn validate(spec: &ActuatorSpec) -> Result<(), ActuatorError> {
         let cards: Vec<_> = cards.iter().filter(|c| c.id == family).collect();
         if cards.is_empty() {
             let ids: Vec<String> = CATALOGUE.iter().map(|e| e.card(&settings[0]).id).collect();
-            let hint = nearest(family, ids.iter().map(String::as_str))
-                .map(|n| format!("; did you mean '{n}'?"))
-                .unwrap_or_default();
+            let hint = meant(family, ids.iter().map(String::as_str));
             let admitted = format!("an effect of the catalogue{hint}");
             return Err(ActuatorError::value(format!("known.{effect}"), "a table", admitted));
         }

@@ -5,13 +5,14 @@ mod known;
 mod parameters;
 mod parts;
 mod preset;
+mod servo;
 
 pub(crate) use known::narrowed;
 pub use parameters::{BASE_PARAMETERS, ParameterSpec, is_assumed_bound};
 pub use parts::{
-    Configuration, EffectSpec, EffectValue, Feedback, Kind, LinkageSpec, Motor, Ratings, SensorSpec,
-    ServoSpec, Transmission,
+    Configuration, EffectSpec, EffectValue, Kind, LinkageSpec, Motor, Ratings, SensorSpec, Transmission,
 };
+pub use servo::{Feedback, ServoSpec};
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ActuatorSpec, Kind};
 use crate::ActuatorError;
-use crate::text::nearest;
+use crate::text::meant;
 
 /// Name, unit of a linear actuator and unit of a rotary one, in the order of
 /// [`ActuatorSpec::base_parameters`].
@@ -173,7 +173,7 @@ pub(super) fn validate(spec: &ActuatorSpec) -> Result<(), ActuatorError> {
     let names = BASE_PARAMETERS.map(|(name, ..)| name);
     for (name, said) in &spec.parameters {
         if !names.contains(&name.as_str()) {
-            let hint = nearest(name, names).map(|n| format!("; did you mean '{n}'?")).unwrap_or_default();
+            let hint = meant(name, names);
             return Err(ActuatorError::value(
                 format!("parameters.{name}"),
                 "a table",

@@ -8,7 +8,7 @@ use std::fmt;
 use super::{
     BeamLaw, ClampSetting, ConstantSpring, EndLoadedBeam, Material, MomentLoadedBeam, Spring, TorsionSpring,
 };
-use crate::text::nearest;
+use crate::text::meant;
 
 /// All keys of all types: so that a misspelt key is found with its line and a suggestion.
 #[derive(Debug, Deserialize)]
@@ -122,8 +122,7 @@ impl TryFrom<SpringFile> for Spring {
                 "setting",
             ],
             other => {
-                let hint =
-                    nearest(other, TYPES).map(|n| format!("; did you mean '{n}'?")).unwrap_or_default();
+                let hint = meant(other, TYPES);
                 return Err(format!("no spring type '{other}'{hint}; known are {}", TYPES.join(", ")));
             }
         };
@@ -169,11 +168,9 @@ impl TryFrom<SpringFile> for Spring {
                         "stiff" => ClampSetting::Stiff,
                         "locked-out" => ClampSetting::LockedOut,
                         _ => {
-                            let hint = nearest(&name, ["compliant", "stiff", "locked-out"])
-                                .map(|n| format!("; did you mean '{n}'?"));
+                            let hint = meant(&name, ["compliant", "stiff", "locked-out"]);
                             return Err(format!(
-                                "no spring setting '{name}'{}; known are compliant, stiff, locked-out, or a free length in m",
-                                hint.unwrap_or_default()
+                                "no spring setting '{name}'{hint}; known are compliant, stiff, locked-out, or a free length in m"
                             ));
                         }
                     },

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use crate::text::nearest;
+use crate::text::meant;
 
 /// What bends and when it yields. In a file either a name of [`Material::TABLE`] or a table
 /// `{ name, youngs_modulus_pa, yield_strength_pa }`.
@@ -75,12 +75,8 @@ impl<'de> de::Deserialize<'de> for Material {
             fn visit_str<E: de::Error>(self, name: &str) -> Result<Material, E> {
                 Material::named(name).ok_or_else(|| {
                     let names = Material::TABLE.map(|(n, _, _)| n);
-                    let hint = nearest(name, names).map(|n| format!("; did you mean '{n}'?"));
-                    E::custom(format!(
-                        "no material '{name}'{}; known are {}",
-                        hint.unwrap_or_default(),
-                        names.join(", ")
-                    ))
+                    let hint = meant(name, names);
+                    E::custom(format!("no material '{name}'{hint}; known are {}", names.join(", ")))
                 })
             }
 

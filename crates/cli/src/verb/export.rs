@@ -271,8 +271,7 @@ fn what(name: &str) -> anyhow::Result<What> {
         return Ok(if scenarios.contains(&name) { What::Scenario } else { What::Actuator });
     }
     let known: Vec<&str> = actuators.into_iter().chain(scenarios).collect();
-    let hint = text::nearest(name, known.iter().copied());
-    let hint = hint.map(|n| format!("; did you mean '{n}'?")).unwrap_or_default();
+    let hint = text::meant(name, known.iter().copied());
     Err(bad_input(format!("no actuator and no scenario '{name}'{hint}; there are {}", known.join(", "))))
 }
 

@@ -3,7 +3,7 @@
 use crate::failure::{OrBadInput, bad_input};
 use clap::Args;
 use sealegs::actuator::ActuatorSpec;
-use sealegs::actuator::text::nearest;
+use sealegs::actuator::text::meant;
 use sealegs::catalogue;
 use sealegs::leg::robot::Robot;
 use sealegs::leg::scenario::{Scenario, preset_names, preset_text};
@@ -27,8 +27,7 @@ fn file(name: &str) -> anyhow::Result<&'static str> {
     let robots = Robot::preset_names();
     let known: Vec<&str> =
         ActuatorSpec::preset_names().into_iter().chain(preset_names()).chain(robots).collect();
-    let hint =
-        nearest(name, known.iter().copied()).map(|n| format!("; did you mean '{n}'?")).unwrap_or_default();
+    let hint = meant(name, known.iter().copied());
     Err(bad_input(format!("'{name}' has no file here{hint} (known: {})", known.join(", "))))
 }
 

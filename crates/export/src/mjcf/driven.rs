@@ -19,6 +19,7 @@ use crate::Exported;
 use crate::driven::{Command, DrivenJoint, DrivenRobot};
 use crate::text::{escaped, module, num, nums, xml_head};
 use nalgebra::{Matrix3, Point3};
+use sealegs_actuator::plant::{Servo, Winding};
 use sealegs_leg::robot::{Inertial, Joint, JointKind};
 use std::fmt::Write;
 
@@ -156,7 +157,7 @@ fn actuators(o: &mut String, joint: &DrivenJoint, step_s: f64) {
     let ((at_rotor, drive, arm), name) = (joint.at_rotor(), escaped(&joint.name));
     let at_rotor = escaped(&at_rotor);
     let late = delayed(drive.delay_s(), step_s);
-    let winding = |w: &sealegs_actuator::plant::Winding| {
+    let winding = |w: &Winding| {
         format!(
             " gear=\"{}\" motorconst=\"{}\" resistance=\"{}\"",
             num(arm),
@@ -182,36 +183,16 @@ fn actuators(o: &mut String, joint: &DrivenJoint, step_s: f64) {
             constant(o, &format!("{name}_offset"), &at_rotor, drive.offset_force);
         }
         Command::Impedance(servo) => {
-            // The loop is one of y, whose travel per motion of the joint is the arm.
-            let gain = drive.gain * servo.proportional;
-            let bias = [gain * servo.goal_offset, -gain * arm, -drive.gain * servo.derivative * arm];
             let most = joint.most_of(servo, &drive);
-            let range = if most.is_finite() {
-                format!(" forcerange=\"{}\"", nums(&[-most, most]))
-            } else {
-                String::new()
-            };
-            let _ = writeln!(
-                o,
-                "    <general name=\"{name}\" joint=\"{at_rotor}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{}\"{range}{late}/>",
-                num(gain),
-                nums(&bias)
-            );
+            position_loop(o, (&name, &at_rotor), servo, (drive.gain, arm, most), &late);
         }
         Command::Goal(w, servo) => {
-            // Duty times supply over the resistance is a current, times the constant a force along y; the loop is one of y, too.
+            // Duty times supply over the resistance is a current, times the constant a force along y.
             // One that sees the joint and pushes the rotor is the callback's.
             let held = if joint.coupling.is_some() { 0.0 } else { 1.0 };
-            let per_duty = arm * servo.supply_v.unwrap_or(1.0) * w.force_per_current / w.resistance_ohm;
-            let (gain, most) = (held * per_duty * servo.proportional, (per_duty * servo.limit).abs());
-            let bias = [gain * servo.goal_offset, -gain * arm, -held * per_duty * servo.derivative * arm];
-            let _ = writeln!(
-                o,
-                "    <general name=\"{name}\" joint=\"{at_rotor}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{}\" forcerange=\"{}\"{late}/>",
-                num(gain),
-                nums(&bias),
-                nums(&[-most, most])
-            );
+            let per_duty = arm * servo.per_given() * w.force_per_current / w.resistance_ohm;
+            let most = (per_duty * servo.limit).abs();
+            position_loop(o, (&name, &at_rotor), servo, (held * per_duty, arm, most), &late);
             let _ = writeln!(
                 o,
                 "    <dcmotor name=\"{name}_back_emf\" joint=\"{at_rotor}\" input=\"none\"{}/>",
@@ -223,6 +204,29 @@ fn actuators(o: &mut String, joint: &DrivenJoint, step_s: f64) {
         o.push_str(&cogging(&drive, term, &format!("{name}_cogging"), &at_rotor));
     }
     o.push_str(&offset(&joint.at_joint(), &format!("{name}_output_offset"), &name));
+}
+
+/// A position loop as an actuator of a joint, with the effort there per unit of what the loop gives, the travel per motion of the joint
+/// and the greatest effort. The loop is one of y.
+fn position_loop(
+    o: &mut String,
+    (name, joint): (&str, &str),
+    servo: &Servo,
+    (per_given, arm, most): (f64, f64, f64),
+    late: &str,
+) {
+    let gain = per_given * servo.proportional;
+    let bias = [gain * servo.goal_offset, -gain * arm, -per_given * servo.derivative * arm];
+    let range = match most.is_finite() {
+        true => format!(" forcerange=\"{}\"", nums(&[-most, most])),
+        false => String::new(),
+    };
+    let _ = writeln!(
+        o,
+        "    <general name=\"{name}\" joint=\"{joint}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{}\"{range}{late}/>",
+        num(gain),
+        nums(&bias)
+    );
 }
 
 /// A constant effort on a joint, as an actuator that follows no control; nothing for none.

@@ -120,7 +120,7 @@ fn command(joint: &DrivenJoint, python: &str, notes: &mut Vec<Note>) {
             let how = format!(
                 "{python}: drive.supply_v and drive.proportional may be set; drive.enabled = False opens the bridge. The file has \
                  {} V and {} per rad",
-                num(servo.supply_v.unwrap_or(f64::NAN)),
+                num(servo.per_given()),
                 num(servo.proportional)
             );
             notes.push(Note::callback("supply, gain, enable", how));

@@ -17,6 +17,8 @@ pub(super) struct Joint {
     /// Effects that a bench of its drive has and this joint cannot.
     pub refused: Vec<String>,
     pub model: BenchModel,
+    /// What its torque accelerates at the posture zero while all others are free to move, as the robot is stated, kg m^2 (kg).
+    pub least_inertia: f64,
     /// Where each of the drive's parameters is among the robot's.
     pub at: Vec<usize>,
 }
@@ -77,6 +79,16 @@ impl Joint {
             (false, true) => "motor_torque_nm",
             (false, false) => "joint_torque_nm",
         }
+    }
+
+    /// Inertia of its rotor at the joint, as the drive's file has it, kg m^2 (kg).
+    pub fn rotor_inertia(&self) -> f64 {
+        self.model.spec().coefficients().reflected_inertia
+    }
+
+    /// Whether a record commands a goal of the drive's own loop.
+    pub fn follows_goal(&self, record: &Record) -> bool {
+        matches!(self.command_in(record), Ok(Some(("position_rad", _))))
     }
 
     /// The columns that its sensors can show.

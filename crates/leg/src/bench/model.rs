@@ -9,8 +9,9 @@ use super::stated::with_embedded;
 use super::{RobotFile, alike};
 use crate::LegError;
 use crate::dynamics::equations::MovingBodies;
-use crate::error::nearest;
+use crate::error::{meant, nearest};
 use crate::robot::{JointKind, JointLimits, Robot};
+use nalgebra::Cholesky;
 use sealegs_actuator::bench::{Bench, BenchModel};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
@@ -71,8 +72,7 @@ impl RobotModel {
         let bad = |field: String, problem: String| LegError::scenario(&file.robot, &field, problem);
         let moving = |robot: &Robot| robot.moving_joints().map(|j| j.name.clone()).collect::<Vec<_>>();
         let stray = |table: &str, joint: &str, names: &[String]| {
-            let hint = nearest(joint, names.iter().map(String::as_str));
-            let hint = hint.map(|n| format!("; did you mean '{n}'?")).unwrap_or_default();
+            let hint = meant(joint, names.iter().map(String::as_str));
             bad(format!("{table}.{joint}"), format!("no such joint moves{hint}"))
         };
         let names = moving(&robot);
@@ -134,7 +134,16 @@ impl RobotModel {
             }
             let (damping, refused) =
                 if sprung { (joint.damping, refused_with_spring()) } else { (0.0, Vec::new()) };
-            joints.push(Joint { name: joint.name.clone(), slides, sprung, damping, refused, model, at });
+            let name = joint.name.clone();
+            joints.push(Joint { name, slides, sprung, damping, refused, model, at, least_inertia: 0.0 });
+        }
+        for (i, joint) in joints.iter_mut().enumerate() {
+            joint.least_inertia = joint.rotor_inertia();
+            equations.mass[(i, i)] += joint.least_inertia;
+        }
+        if let Some(factor) = Cholesky::new(equations.mass) {
+            let inverse = factor.inverse();
+            joints.iter_mut().enumerate().for_each(|(i, joint)| joint.least_inertia = 1.0 / inverse[(i, i)]);
         }
         let links = links::parameters(&robot, &tree, &mut parameters);
         let parts = Parts::of(&tree);
@@ -230,35 +239,57 @@ impl RobotModel {
 
     fn include(&mut self, id: &str, seen: &Excitation) -> Result<(), ModelError> {
         let unknown = |suggestion| ModelError::UnknownEffect { id: id.to_owned(), suggestion };
+        if alike::is_alike(id) {
+            let first = self.parameters.len();
+            for joint in 0..self.joints.len() {
+                self.include_at(joint, id, seen, first, str::to_owned)?;
+            }
+            self.included.push((None, id.to_owned()));
+            return Ok(());
+        }
         let joint = id.split_once('/').and_then(|(place, rest)| {
             self.joints.iter().position(|j| j.name == place).map(|joint| (joint, rest))
         });
-        if alike::is_alike(id) {
-            return self.include_alike(id, seen);
-        }
         let Some((joint, rest)) = joint else {
             let known: Vec<String> = self.effects(seen).into_iter().map(|card| card.id).collect();
             return Err(unknown(nearest(id, known.iter().map(String::as_str))));
         };
-        if self.joints[joint].refused.iter().any(|id| id == rest) {
-            let reason = format!("a drive with a spring at a robot's joint cannot have the effect '{rest}'");
-            return Err(ModelError::Setup { reason });
-        }
-        let at_joint = self.joints[joint].seen(seen);
-        let place = self.joints[joint].name.clone();
-        let with = self.joints[joint].model.including(rest, &at_joint).map_err(|error| match error {
+        let (place, first) = (self.joints[joint].name.clone(), self.parameters.len());
+        let named = |parameter: &str| format!("{place}/{parameter}");
+        self.include_at(joint, rest, seen, first, named).map_err(|error| match error {
             ModelError::UnknownEffect { suggestion, .. } => {
                 unknown(suggestion.map(|s| format!("{place}/{s}")))
             }
             other => other,
         })?;
-        let before = Model::parameters(&self.joints[joint].model).len();
-        for p in &Model::parameters(&with)[before..] {
-            self.joints[joint].at.push(self.parameters.len());
-            self.parameters.push(Parameter { name: format!("{place}/{}", p.name), ..p.clone() });
-        }
         self.included.push((Some(joint), rest.to_owned()));
-        self.joints[joint].model = with;
+        Ok(())
+    }
+
+    /// Puts an effect into the drive of a joint. Its parameters are the robot's from `first` on, called as `named` says where they are
+    /// not there yet.
+    fn include_at(
+        &mut self,
+        joint: usize,
+        id: &str,
+        seen: &Excitation,
+        first: usize,
+        named: impl Fn(&str) -> String,
+    ) -> Result<(), ModelError> {
+        let joint = &mut self.joints[joint];
+        if joint.refused.iter().any(|refused| refused == id) {
+            let reason = format!("a drive with a spring at a robot's joint cannot have the effect '{id}'");
+            return Err(ModelError::Setup { reason });
+        }
+        let with = joint.model.including(id, &joint.seen(seen))?;
+        let before = Model::parameters(&joint.model).len();
+        for (i, p) in Model::parameters(&with)[before..].iter().enumerate() {
+            joint.at.push(first + i);
+            if self.parameters.len() == first + i {
+                self.parameters.push(Parameter { name: named(&p.name), ..p.clone() });
+            }
+        }
+        joint.model = with;
         Ok(())
     }
 
@@ -332,13 +363,15 @@ impl Model for RobotModel {
     fn effects(&self, seen: &Excitation) -> Vec<EffectCard> {
         let of = |joint: &Joint| {
             let cards = joint.model.effects(&joint.seen(seen)).into_iter();
-            let cards = cards.filter(|card| !joint.refused.contains(&card.id));
-            let place = joint.name.clone();
-            cards
-                .map(move |card| EffectCard { id: format!("{place}/{}", card.id), ..card })
-                .collect::<Vec<_>>()
+            cards.filter(|card| !joint.refused.contains(&card.id)).collect()
         };
-        self.alike(seen).into_iter().chain(self.joints.iter().flat_map(of)).collect()
+        let by_joint: Vec<Vec<EffectCard>> = self.joints.iter().map(of).collect();
+        let alike = alike::cards(&by_joint);
+        let placed = |(joint, cards): (&Joint, Vec<EffectCard>)| {
+            let at = |card: EffectCard| EffectCard { id: format!("{}/{}", joint.name, card.id), ..card };
+            cards.into_iter().map(at).collect::<Vec<_>>()
+        };
+        alike.into_iter().chain(self.joints.iter().zip(by_joint).flat_map(placed)).collect()
     }
 
     fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {

@@ -27,7 +27,7 @@ pub(super) struct Asked<'a> {
 }
 
 /// The parts of a robot, by joints, with the latest runs of more than one; a copy begins without these.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Parts {
     joints: Vec<Vec<usize>>,
     latest: Mutex<Vec<Run>>,

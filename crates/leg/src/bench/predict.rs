@@ -5,9 +5,8 @@ use super::joint::{Column, Joint};
 use super::observed::Pulls;
 use super::parts::Asked;
 use super::simulate::JointTrace;
-use nalgebra::Cholesky;
 use sealegs_actuator::bench::{Fed, command_times, search_step_without_springs};
-use sealegs_actuator::plant::{Grid, Plant, Servo, sample};
+use sealegs_actuator::plant::{Grid, Plant, sample};
 use sealegs_model::{ModelError, Prediction, Record, Signal, internal};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -47,32 +46,11 @@ impl RobotModel {
             plant.step_following(wanted_s, least)
         };
         let step_s = drives.iter().map(follow).fold(wanted_s, f64::min);
-        let loops = drives.iter().map(|plant| plant.servo.filter(Servo::commands_torque));
-        let loops: Vec<(usize, Servo)> =
-            loops.enumerate().filter_map(|(i, servo)| Some((i, servo?))).collect();
-        if loops.is_empty() {
-            return step_s;
-        }
-        let least = self.least_inertias(drives);
-        loops.into_iter().fold(step_s, |step_s, (i, servo)| servo.step_following(step_s, least[i]))
-    }
-
-    /// What each joint's torque accelerates at the posture zero while all others are free to move, kg m^2 (sliding joints: kg); of a joint
-    /// whose transmission yields or has play its rotor alone. As the robot is stated.
-    fn least_inertias(&self, drives: &[Plant]) -> Vec<f64> {
-        let mut equations = self.tree.equations();
-        let still = vec![0.0; self.joints.len()];
-        self.tree.at(&still, &still, &mut equations);
-        let rotors: Vec<f64> =
-            self.joints.iter().map(|j| j.model.spec().coefficients().reflected_inertia).collect();
-        let mut mass = equations.mass;
-        rotors.iter().enumerate().for_each(|(i, rotor)| mass[(i, i)] += rotor);
-        let inverse = Cholesky::new(mass).map(|factor| factor.inverse());
-        let of = |i: usize| match &inverse {
-            Some(inverse) if drives[i].rigid.is_some() => 1.0 / inverse[(i, i)],
-            _ => rotors[i],
-        };
-        (0..rotors.len()).map(of).collect()
+        self.joints.iter().zip(drives).fold(step_s, |step_s, (joint, plant)| {
+            // Beside a transmission that yields or has play the loop pushes the rotor alone.
+            let inertia = if plant.rigid.is_some() { joint.least_inertia } else { joint.rotor_inertia() };
+            plant.servo.map_or(step_s, |servo| servo.step_following(step_s, inertia))
+        })
     }
 
     /// The motion over a record.

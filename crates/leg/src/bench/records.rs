@@ -3,7 +3,7 @@
 use super::RobotModel;
 use super::begin::Begin;
 use super::joint::Joint;
-use crate::error::nearest;
+use crate::error::meant;
 use sealegs_model::Record;
 use sealegs_model::columns::{FEEDFORWARD, GOAL_SPEED};
 
@@ -42,8 +42,7 @@ impl RobotModel {
         let beside_goal =
             |joint: &&Joint| GOAL_COLUMNS.iter().any(|c| channel == format!("{}.{c}", joint.name));
         if let Some(joint) = self.joints.iter().find(beside_goal) {
-            let follows = matches!(joint.command_in(record), Ok(Some(("position_rad", _))));
-            return (!follows || !joint.model.spec().has_torque_loop()).then(|| {
+            return (!joint.follows_goal(record) || !joint.model.spec().has_torque_loop()).then(|| {
                 format!(
                     "is for a joint that follows a goal by a loop which commands a torque: the drive of '{}' has no [servo] with \
                      proportional_nm_per_rad, or it has no column {}.position_rad",
@@ -67,18 +66,13 @@ impl RobotModel {
             return Some(format!("does not command joint '{}': its drive takes {takes}", joint.name));
         }
         let all: Vec<String> = self.joints.iter().flat_map(commands).collect();
-        let hint = nearest(channel, all.iter().map(String::as_str))
-            .map(|n| format!("; did you mean '{n}'?"))
-            .unwrap_or_default();
+        let hint = meant(channel, all.iter().map(String::as_str));
         let joints: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
         Some(format!("commands no joint of {}{hint}; its joints are {}", self.name, joints.join(", ")))
     }
 
     /// Whether a joint follows a goal by its own loop in any of the records.
     pub(super) fn has_loop(&self, records: &[&Record]) -> bool {
-        let goal = |record: &&Record, joint: &Joint| {
-            matches!(joint.command_in(record), Ok(Some(("position_rad", _))))
-        };
-        records.iter().any(|record| self.joints.iter().any(|joint| goal(record, joint)))
+        records.iter().any(|record| self.joints.iter().any(|joint| joint.follows_goal(record)))
     }
 }

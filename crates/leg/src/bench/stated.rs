@@ -3,7 +3,7 @@
 use super::joint::Joint;
 use super::{RobotFile, RobotModel};
 use crate::LegError;
-use crate::error::nearest;
+use crate::error::meant;
 use sealegs_actuator::effect::{Effect, OwnEffect};
 use sealegs_model::{Excitation, SignalRange};
 use std::sync::Arc;
@@ -15,9 +15,7 @@ impl RobotModel {
         let bad = |field: String, problem: String| LegError::scenario(&file.robot, &field, problem);
         for (name, given) in &file.parameters {
             let Some(p) = self.parameters.iter_mut().find(|p| p.name == *name) else {
-                let hint = nearest(name, self.parameters.iter().map(|p| p.name.as_str()))
-                    .map(|n| format!("; did you mean '{n}'?"))
-                    .unwrap_or_default();
+                let hint = meant(name, self.parameters.iter().map(|p| p.name.as_str()));
                 return Err(bad(format!("parameters.{name}"), format!("no such parameter{hint}")));
             };
             if !given.value.is_finite() {

@@ -3,7 +3,7 @@
 use super::at_actuator::{self, card, ids_at, setting};
 use super::{Build, CATALOGUE, LegEffect, LegSetting};
 use crate::LegError;
-use crate::error::nearest;
+use crate::error::meant;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use sealegs_actuator::Coefficients;
@@ -166,8 +166,7 @@ pub(crate) fn of_scenario(leg: &LegSetting) -> Result<Vec<Placed>, LegError> {
         let fault = |field: String, problem: String| Err(LegError::scenario(&scenario.name, &field, problem));
         let Some((card, effect)) = all.iter().find(|(card, _)| card.id == said.id) else {
             let known = all.iter().map(|(card, _)| card.id.as_str());
-            let hint =
-                nearest(&said.id, known).map_or_else(String::new, |s| format!("; did you mean '{s}'?"));
+            let hint = meant(&said.id, known);
             let field = format!("effect {} id", index + 1);
             return fault(field, format!("this leg can have no effect '{}'{hint}", said.id));
         };

@@ -55,7 +55,7 @@ pub(crate) fn roles(
             continue;
         }
         let stated = known(own).filter(|own| own.contains('_') && Unit::of_channel(own).is_ok());
-        if let Some((_, target)) = of_joint_by_contract(own) {
+        if let Some(target) = of_joint_by_contract(own) {
             let reason = "the data contract calls it so".to_owned();
             guesses.push(First { column: i, target, settings: None, reason, rank: 0 });
         } else if let Some(target) = stated {
@@ -93,9 +93,9 @@ pub(crate) fn roles(
         let name = &table.columns[guess.column].name;
         let of_a_joint_too = several.contains(&guess.target.to_owned()) || name::numbered(name).is_some();
         let named = joints.iter().find(|(column, _)| column == name).map(|(_, joint)| joint.clone());
-        let named = named.or_else(|| of_joint_by_contract(name).map(|(joint, _)| joint.to_owned()));
+        let by_contract = name.rsplit_once('.').filter(|_| of_joint_by_contract(name).is_some());
+        let named = named.or_else(|| by_contract.map(|(joint, _)| joint.to_owned()));
         let place = named.or_else(|| name::joint(name).filter(|_| many_joints && of_a_joint_too));
-        let by_contract = of_joint_by_contract(name).and_then(|_| name.rsplit_once('.'));
         let target = match (place, by_contract) {
             (Some(joint), Some((_, what))) => format!("{joint}.{what}"),
             (Some(joint), None) => format!("{joint}.{}", of_a_joint(guess.target)),
@@ -135,14 +135,14 @@ fn known(name: &str) -> Option<&'static str> {
     all.find(|known| *known == name)
 }
 
-/// The joint and the channel of a column that the contract itself calls so: `knee` and what is behind it of `knee.angle_rad`.
-fn of_joint_by_contract(name: &str) -> Option<(&str, &'static str)> {
-    let (joint, what) = name.rsplit_once('.').filter(|(joint, _)| !joint.is_empty())?;
+/// What a column is on a bench of the drive alone, if the contract itself calls it so behind a joint's name: `knee.angle_rad`.
+fn of_joint_by_contract(name: &str) -> Option<&'static str> {
+    let (_, what) = name.rsplit_once('.').filter(|(joint, _)| !joint.is_empty())?;
     if what == "angle_rad" {
-        return Some((joint, "joint_angle_rad"));
+        return Some("joint_angle_rad");
     }
     let own = columns::JOINT_COMMANDS.into_iter().chain(columns::BESIDE).chain(columns::OUTPUTS);
-    own.filter(|own| own.contains('_')).find(|own| *own == what).map(|own| (joint, own))
+    own.filter(|own| own.contains('_')).find(|own| *own == what)
 }
 
 /// What a bench's channel is called behind the name of a joint.

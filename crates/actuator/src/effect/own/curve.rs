@@ -152,8 +152,7 @@ impl OnCurve {
             }
             "drive" => {
                 // A loop makes the force of a change of its goal.
-                let gain =
-                    plant.servo.map_or(1.0, |servo| servo.proportional * servo.supply_v.unwrap_or(1.0));
+                let gain = plant.servo.map_or(1.0, |servo| servo.proportional * servo.per_given());
                 let per_command = 1.0 / (plant.force_per_command * gain);
                 plant.laws.command_stages.push(Box::new(InDrive { law, per_command }));
             }

@@ -4,7 +4,7 @@
 //! `-(x^2)`), parentheses, functions. A fault is told by its place in the text, and a value that is not finite
 //! by the operation it comes from; no general parser at hand tells either.
 
-use crate::text::nearest;
+use crate::text::meant;
 
 /// Deepest nesting and greatest length: far beyond any law, far below what could hurt.
 const MOST_NESTING: usize = 48;
@@ -359,9 +359,7 @@ impl Parser<'_> {
             return self.emit(Operation::Number(std::f64::consts::PI), character);
         }
         let functions = FUNCTIONS.iter().map(|(n, _)| *n).chain(JOINING.iter().map(|(n, _)| *n));
-        let hint = nearest(name, self.names.iter().copied().chain(functions))
-            .map(|n| format!("; did you mean '{n}'?"))
-            .unwrap_or_default();
+        let hint = meant(name, self.names.iter().copied().chain(functions));
         let known = self.names.join(", ");
         Err(Fault { character, message: format!("unknown name '{name}'{hint} Known here are {known}") })
     }

@@ -83,8 +83,7 @@ impl KnownRobot {
                 None if lone && column.role.is_some() && !is_time => Some(Is::Named(0)),
                 // A column whose quantity nobody would look for behind its joint's name: `elbow_tau_J_d`.
                 None => {
-                    let mut all = (0..logged.len()).filter(|i| has_word(&column.name, &logged[*i]));
-                    all.next().filter(|_| all.next().is_none()).map(|i| is[i])
+                    only((0..logged.len()).filter(|i| has_word(&column.name, &logged[*i]))).map(|i| is[i])
                 }
             }
         };
@@ -121,8 +120,7 @@ impl KnownRobot {
             |rest: &str| fits.iter().filter(|all| all.iter().any(|(_, other)| other == rest)).count();
         let called = |all: &Vec<(usize, String)>| {
             let most = all.iter().map(|(_, rest)| shared(rest)).max()?;
-            let mut best = all.iter().filter(|(_, rest)| shared(rest) == most).map(|(i, _)| *i);
-            best.next().filter(|_| best.next().is_none())
+            only(all.iter().filter(|(_, rest)| shared(rest) == most).map(|(i, _)| *i))
         };
         let by_name: Vec<Option<usize>> = fits.iter().map(called).collect();
         let once = |i: &usize| by_name.iter().filter(|other| **other == Some(*i)).count() == 1;
@@ -217,6 +215,11 @@ fn settle(column: &mut ColumnSurvey, if_moved: ColumnSurvey) {
         (Some(_), None) => (column.role, column.aside) = (None, if_moved.aside),
         _ => {}
     }
+}
+
+/// The one of these, unless there are several.
+fn only<T>(mut all: impl Iterator<Item = T>) -> Option<T> {
+    all.next().filter(|_| all.next().is_none())
 }
 
 /// What a joint's name says: letters and digits in small, without the word `joint`.
