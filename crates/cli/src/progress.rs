@@ -2,6 +2,7 @@
 //! step and every ten seconds.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use sealegs::diagnosis::progress::SO_FAR;
 use std::io::IsTerminal;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -74,8 +75,13 @@ fn writes_lines() -> bool {
     IN_A_PIPE.load(Ordering::Relaxed) && !std::io::stderr().is_terminal()
 }
 
+/// Says what is being done in the place of what was; what was found so far stays on the terminal.
 fn say(bar: &ProgressBar, what: &str) {
     if bar.message() == what {
+        return;
+    }
+    if what.starts_with(SO_FAR) && !writes_lines() {
+        bar.println(what);
         return;
     }
     bar.set_message(what.to_owned());

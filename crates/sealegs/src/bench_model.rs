@@ -148,8 +148,8 @@ impl CampaignModel for BenchModel {
         self.spec().sensors.get(channel).copied()
     }
 
-    fn limits(&self, campaign: &Campaign) -> Limits {
-        plan::limits(self.spec(), campaign)
+    fn limits(&self, campaign: &Campaign) -> Option<Limits> {
+        Some(plan::limits(self.spec(), campaign))
     }
 
     fn plan(&self, experiment: &Experiment, _folder: &Path) -> Result<Option<String>> {

@@ -17,8 +17,9 @@ pub trait CampaignModel: Model {
     /// What the file says of a channel's sensor.
     fn sensor(&self, channel: &str) -> Option<SensorSpec>;
 
-    /// What the rig bears, in the unit of the campaign's input.
-    fn limits(&self, campaign: &Campaign) -> Limits;
+    /// What the rig bears, in the unit of the campaign's input; `None` where one input alone makes no run, as of a robot whose
+    /// joints move together.
+    fn limits(&self, campaign: &Campaign) -> Option<Limits>;
 
     /// The text of a file with which the experiment can be made: an input to play, or a scenario.
     ///

@@ -92,8 +92,8 @@ impl CampaignModel for LegModel {
     }
 
     /// A leg's experiments are scenarios: there is no input to limit.
-    fn limits(&self, _campaign: &Campaign) -> Limits {
-        Limits::default()
+    fn limits(&self, _campaign: &Campaign) -> Option<Limits> {
+        Some(Limits::default())
     }
 
     fn plan(&self, experiment: &Experiment, folder: &Path) -> Result<Option<String>> {

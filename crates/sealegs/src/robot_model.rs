@@ -142,9 +142,10 @@ impl CampaignModel for RobotModel {
         self.sensors().get(channel).copied()
     }
 
-    /// Joints have inputs of different sizes: what the runs showed is the limit.
-    fn limits(&self, _campaign: &Campaign) -> Limits {
-        Limits::default()
+    /// What the runs showed of the only input.
+    fn limits(&self, campaign: &Campaign) -> Option<Limits> {
+        let one = |run: &Run| run.record.inputs.len() == 1;
+        campaign.runs.iter().all(one).then(Limits::default)
     }
 
     fn plan(&self, experiment: &Experiment, _folder: &Path) -> Result<Option<String>> {

@@ -1,7 +1,7 @@
 //! Current saturation: the drive clips the commanded current.
 
 use super::Effect;
-use super::setting::{CommandKind, Setting, magnitude, with_neutral, with_starts};
+use super::setting::{CommandKind, Quantity, Setting, magnitude, with_neutral, with_starts};
 use crate::plant::{CommandStage, DriveLimit, Plant};
 use sealegs_model::EffectCard;
 
@@ -14,7 +14,10 @@ impl Effect for CurrentSaturation {
         let by_bridge = matches!(setting.command, CommandKind::Voltage | CommandKind::Goal);
         let winding = setting.winding.filter(|_| by_bridge);
         let peak = winding.map_or(setting.command(), |w| setting.force() / w.force_per_current);
-        let unit = if setting.force_per_command == 1.0 { ("limit", "") } else { ("limit_a", "A") };
+        let unit = match setting.force_per_command == 1.0 {
+            true => ("limit", setting.unit(Quantity::Force)),
+            false => ("limit_a", "A"),
+        };
         let parameters = vec![with_neutral(
             with_starts(
                 magnitude(unit.0, unit.1, 0.95 * peak, 0.02 * peak, 1.5 * peak),
@@ -25,7 +28,9 @@ impl Effect for CurrentSaturation {
         )];
         EffectCard {
             id: "current-saturation".to_owned(),
-            summary: "The drive delivers no more than a limit current.".to_owned(),
+            summary: "The drive delivers no more than a limit current; of one that is commanded a force or a torque, no more than \
+                      a limit of that."
+                .to_owned(),
             acts_on: "drive".to_owned(),
             equation: "I clipped to +-I_max".to_owned(),
             validity: "Matters only where the command exceeds the limit.".to_owned(),

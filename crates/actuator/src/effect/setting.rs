@@ -196,6 +196,12 @@ impl Setting {
         with_neutral(p, f64::INFINITY)
     }
 
+    /// The unit of a quantity here.
+    #[must_use]
+    pub fn unit(&self, quantity: Quantity) -> &'static str {
+        quantity.unit(self.kind).1
+    }
+
     /// Natural frequency of the locked actuator, Hz.
     #[must_use]
     pub fn natural_hz(&self) -> f64 {

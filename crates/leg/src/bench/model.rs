@@ -1,14 +1,15 @@
-//! The robot with its drives as a model: parameters by joint and link, and effects by joint.
+//! The robot with its drives as a model: parameters and effects by joint and link.
 
 use super::begin::Begin;
 use super::joint::{Column, Joint, refused_with_spring};
-use super::links::{self, LinkParameters};
+use super::links::{self, LinkMass, LinkParameters};
 use super::observed::Observed;
 use super::parts::Parts;
 use super::stated::with_embedded;
 use super::{RobotFile, alike};
 use crate::LegError;
 use crate::dynamics::equations::MovingBodies;
+use crate::effect::link_mass;
 use crate::error::{meant, nearest};
 use crate::robot::{JointKind, JointLimits, Robot};
 use nalgebra::Cholesky;
@@ -23,9 +24,9 @@ use std::sync::Arc;
 /// The integrator's greatest step, s.
 const STEP_S: f64 = 5e-4;
 
-/// Free parameters beyond which a search does not look at everything: three joints with loops of their own have some 22, and
-/// with each joint come as many effects again.
-const MANY_PARAMETERS: usize = 24;
+/// Free parameters beyond which a search takes derivatives over and does not look at everything: two joints have some 13, three
+/// 19, and with each joint come as many effects again.
+const MANY_PARAMETERS: usize = 15;
 
 /// Parameters of a joint's drive that are the whole logger's, and not a joint's.
 const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
@@ -33,6 +34,17 @@ const SHARED: [&str; 2] = ["command_lead", "clock_skew"];
 /// Sampling periods that an error is remembered at least: a pull that forgets within a row overshoots the next one, and of half a row
 /// it diverged.
 const LEAST_MEMORY_PERIODS: f64 = 3.0;
+
+/// Where an effect acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Place {
+    /// At a joint's drive.
+    Joint(usize),
+    /// At the drives of all joints alike.
+    AllJoints,
+    /// At a link, by its place among [`RobotModel::links`].
+    Link(usize),
+}
 
 /// A robot on a fixed base or a rail with a drive on every joint, with or without a spring.
 #[derive(Debug, Clone)]
@@ -49,8 +61,10 @@ pub struct RobotModel {
     pub(super) links: Vec<LinkParameters>,
     pub(super) parts: Parts,
     pub(super) parameters: Vec<Parameter>,
-    /// Included effects: the joint, or none for one that all have alike, and the id there.
-    pub(super) included: Vec<(Option<usize>, String)>,
+    /// Included effects: where, and the id there.
+    pub(super) included: Vec<(Place, String)>,
+    /// What the included effects change of links.
+    pub(super) loads: Vec<LinkMass>,
     /// Where runs begin, by the records' names.
     pub(super) starts: BTreeMap<String, Begin>,
     pub(super) step_s: f64,
@@ -158,6 +172,7 @@ impl RobotModel {
             parts,
             parameters,
             included: Vec::new(),
+            loads: Vec::new(),
             starts: BTreeMap::new(),
             step_s: STEP_S,
             steps_per_sample: None,
@@ -218,9 +233,17 @@ impl RobotModel {
             };
             joint.model.effect_specs(&own(values), &own(stds))
         };
-        let effect = |(joint, id): &(Option<usize>, String)| {
-            let spec = at_joint(&self.joints[joint.unwrap_or(0)]).into_iter().find(|spec| spec.id == *id);
-            spec.map(|spec| EffectSpec { id: self.placed(*joint, id), ..spec })
+        let effect = |(place, id): &(Place, String)| {
+            let placed = self.placed(*place, id);
+            let joint = match *place {
+                Place::Link(link) => {
+                    return self.load_at(link).map(|load| load.spec(placed, &self.parameters, of));
+                }
+                Place::Joint(joint) => joint,
+                Place::AllJoints => 0,
+            };
+            let spec = at_joint(&self.joints[joint]).into_iter().find(|spec| spec.id == *id);
+            spec.map(|spec| EffectSpec { id: placed, ..spec })
         };
         file.effects = self.included.iter().filter_map(effect).collect();
         file
@@ -244,7 +267,16 @@ impl RobotModel {
             for joint in 0..self.joints.len() {
                 self.include_at(joint, id, seen, first, str::to_owned)?;
             }
-            self.included.push((None, id.to_owned()));
+            self.included.push((Place::AllJoints, id.to_owned()));
+            return Ok(());
+        }
+        let of_link = id.strip_suffix(link_mass::ID).and_then(|place| place.strip_suffix('/'));
+        if let Some(link) = of_link.and_then(|name| self.links.iter().position(|l| l.name() == name)) {
+            if self.load_at(link).is_some() {
+                return Err(unknown(None));
+            }
+            self.included.push((Place::Link(link), link_mass::ID.to_owned()));
+            self.loads.push(LinkMass::at_link(&self.links[link], &mut self.parameters));
             return Ok(());
         }
         let joint = id.split_once('/').and_then(|(place, rest)| {
@@ -262,7 +294,7 @@ impl RobotModel {
             }
             other => other,
         })?;
-        self.included.push((Some(joint), rest.to_owned()));
+        self.included.push((Place::Joint(joint), rest.to_owned()));
         Ok(())
     }
 
@@ -293,9 +325,18 @@ impl RobotModel {
         Ok(())
     }
 
-    /// What an effect is called at a joint, or at all of them.
-    fn placed(&self, joint: Option<usize>, id: &str) -> String {
-        joint.map_or_else(|| id.to_owned(), |joint| format!("{}/{id}", self.joints[joint].name))
+    /// What an included effect changes of a link's mass.
+    fn load_at(&self, link: usize) -> Option<&LinkMass> {
+        self.loads.iter().find(|load| load.body() == self.links[link].body())
+    }
+
+    /// What an effect is called at its place.
+    fn placed(&self, place: Place, id: &str) -> String {
+        match place {
+            Place::Joint(joint) => format!("{}/{id}", self.joints[joint].name),
+            Place::AllJoints => id.to_owned(),
+            Place::Link(link) => format!("{}/{id}", self.links[link].name()),
+        }
     }
 
     /// The joints whose drive is a servo with its own position loop.
@@ -318,6 +359,7 @@ impl RobotModel {
     pub(super) fn tree_at(&self, values: &[f64]) -> MovingBodies {
         let mut tree = self.tree.clone();
         self.links.iter().for_each(|link| link.apply(values, &mut tree));
+        self.loads.iter().for_each(|load| load.apply(values, &mut tree));
         tree
     }
 
@@ -371,7 +413,12 @@ impl Model for RobotModel {
             let at = |card: EffectCard| EffectCard { id: format!("{}/{}", joint.name, card.id), ..card };
             cards.into_iter().map(at).collect::<Vec<_>>()
         };
-        alike.into_iter().chain(self.joints.iter().zip(by_joint).flat_map(placed)).collect()
+        let of_link = |link: usize| {
+            let card = self.links[link].card();
+            EffectCard { id: self.placed(Place::Link(link), &card.id), ..card }
+        };
+        let of_links = (0..self.links.len()).filter(|link| self.load_at(*link).is_none()).map(of_link);
+        alike.into_iter().chain(self.joints.iter().zip(by_joint).flat_map(placed)).chain(of_links).collect()
     }
 
     fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {

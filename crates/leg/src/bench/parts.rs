@@ -174,7 +174,9 @@ impl RobotModel {
             bits.extend(self.joints[*joint].at.iter().map(|i| asked.values[*i].to_bits()));
         }
         let links = self.links.iter().filter(|link| joints.contains(&link.body()));
-        bits.extend(links.flat_map(|link| link.at()).map(|i| asked.values[i].to_bits()));
+        let loads = self.loads.iter().filter(|load| joints.contains(&load.body()));
+        let at = links.flat_map(|link| link.at()).chain(loads.flat_map(|load| load.at()));
+        bits.extend(at.map(|i| asked.values[i].to_bits()));
         bits
     }
 }

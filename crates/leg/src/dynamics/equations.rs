@@ -138,6 +138,12 @@ impl MovingBodies {
         Inertial { mass_kg: body.mass_kg, com: body.com.into(), inertia: body.inertia }
     }
 
+    /// Puts another mass, centre of mass and other moments about it into body `i`.
+    pub fn set_inertial(&mut self, i: usize, inertial: &Inertial) {
+        let body = &mut self.bodies[i];
+        (body.mass_kg, body.com, body.inertia) = (inertial.mass_kg, inertial.com.coords, inertial.inertia);
+    }
+
     /// Multiplies mass, centre of mass and the moments about it of body `i`.
     pub fn scale(&mut self, i: usize, mass: f64, com: f64, moments: f64) {
         let body = &mut self.bodies[i];

@@ -11,7 +11,7 @@ mod at_actuator;
 mod contact_compliance;
 mod ground_friction;
 mod joint_stop;
-mod link_mass;
+pub(crate) mod link_mass;
 mod output_friction;
 mod placed;
 mod signature;

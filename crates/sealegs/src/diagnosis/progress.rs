@@ -5,7 +5,10 @@ use sealegs_sysid::diagnose::Progress;
 /// Sets that a line of progress names.
 const NAMED: usize = 3;
 
-/// What is being done, in a few words.
+/// How a message begins that says what was found so far, and not what is being done.
+pub const SO_FAR: &str = "so far ";
+
+/// What is being done, in a few words, or the best set so far (after [`SO_FAR`]).
 #[must_use]
 pub fn message(progress: &Progress) -> String {
     match progress {
@@ -22,6 +25,9 @@ pub fn message(progress: &Progress) -> String {
                 more => format!(" and {more} more"),
             };
             format!("fitting {} sets: {}{more}", sets.len(), names.join(", "))
+        }
+        Progress::Better { set, base, error } => {
+            format!("{SO_FAR}{}: {base:.3} -> {error:.3} noise units on the fit runs", set.join(" + "))
         }
         Progress::Curves => "fitting the curve that is missing at a port".to_owned(),
         Progress::Judging => "scoring the held-out runs".to_owned(),

@@ -13,8 +13,9 @@ use crate::stoppable::{Stoppable, unless_stopped};
 use crate::{Error, Options, Result, comparison};
 use sealegs_model::{Excitation, Model};
 use sealegs_recorder::recording;
-use sealegs_sysid::diagnose::{self, Experiment, VerdictKind};
+use sealegs_sysid::diagnose::{self, Experiment, Verdict, VerdictKind};
 use sealegs_sysid::{Campaign, Role, sanity, units};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -124,7 +125,9 @@ impl Ready {
         let found = diagnose::diagnose(&campaign, &stoppable, &|p| options.tell(&message(&p)));
         let found = unless_stopped(options, found)?;
         options.tell("planning the next experiment");
-        let experiment = diagnose::next_experiment(&campaign, &found, model.limits(&campaign));
+        let limits = model.limits(&campaign);
+        let experiment =
+            limits.map_or(Ok(None), |limits| diagnose::next_experiment(&campaign, &found, limits));
         let experiment = unless_stopped(options, experiment)?;
         let provenance = Provenance::of_campaign(&campaign, model.name(), &options.files())?;
         let kind = found.verdict.kind;
@@ -133,6 +136,7 @@ impl Ready {
             None if kind == VerdictKind::Unexplained => {
                 "No effect is named, so there is nothing for an experiment to tell apart.".to_owned()
             }
+            None if limits.is_none() => moved_otherwise(&found.verdict),
             None => "There is nothing to tell apart, so no experiment is proposed.".to_owned(),
         };
         if matches!(kind, VerdictKind::Unexplained | VerdictKind::PartlyExplained) {
@@ -143,6 +147,29 @@ impl Ready {
         let took = Duration::ZERO;
         Ok(Diagnosis { campaign, model: model.into(), found, experiment, outcome, label, command, took })
     }
+}
+
+/// What to do next with a robot, whose joints move together.
+fn moved_otherwise(verdict: &Verdict) -> String {
+    let named = |set: &[String]| if set.is_empty() { "the base model".to_owned() } else { set.join(" + ") };
+    let all = std::iter::once(&verdict.effects).chain(&verdict.indistinguishable);
+    let places: BTreeSet<&str> =
+        all.flatten().filter_map(|id| id.split_once('/')).map(|(at, _)| at).collect();
+    let what = match places.into_iter().collect::<Vec<_>>()[..] {
+        [] => "the robot".to_owned(),
+        ref places => places.join(" and "),
+    };
+    let why = match &verdict.indistinguishable[..] {
+        [] => "to confirm it".to_owned(),
+        ties => {
+            let ties: Vec<String> = ties.iter().map(|set| named(set)).collect();
+            format!("to tell {} and {} apart", named(&verdict.effects), ties.join(", "))
+        }
+    };
+    format!(
+        "Its joints move together, so no single column is proposed to be played; {why}, move {what} at other speeds, loads and \
+         amplitudes than these runs have."
+    )
 }
 
 /// What the catalogue does not offer a model, of what is common at joints: whoever reads that no effect explains the runs must

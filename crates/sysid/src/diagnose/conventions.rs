@@ -33,7 +33,8 @@ impl Models<'_> {
         (chosen, all)
     }
 
-    /// Fits under every discrete choice of the base model, in their order; empty where it has none.
+    /// Fits under every discrete choice of the base model, in their order; empty where it has none. Rough fits would tell the
+    /// choices apart by where they stopped.
     fn under_every_choice(&self, candidate: &Candidate) -> Vec<Candidate> {
         let discrete = self.discrete();
         if discrete.is_empty() {
@@ -51,12 +52,13 @@ impl Models<'_> {
                 }
                 entry.1 = choice[i];
             }
-            if known == candidate.known() {
-                all.push(candidate.clone());
+            let under = if known == candidate.known() {
+                Some(candidate.clone())
             } else {
                 let start = self.with_delays_moved(candidate, known, moved_samples);
-                all.extend(self.fitted_near(candidate, &candidate.effects, &start));
-            }
+                self.fitted_near(candidate, &candidate.effects, &start)
+            };
+            all.extend(under.map(|under| self.finished(under)));
         }
         all
     }

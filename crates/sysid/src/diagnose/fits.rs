@@ -179,7 +179,7 @@ impl Search<'_> {
     /// Fits the lowest of some sets under the base model's other discrete choices where none explains everything: a choice
     /// that was made while something was missing leaves what no further effect takes. Returns whether another one is better.
     fn choose_again(&self, fitted: &mut [Candidate]) -> bool {
-        if self.models.dear || fitted.iter().any(|c| self.models.is_settled(c, &self.tried[0])) {
+        if fitted.iter().any(|c| self.models.is_settled(c, &self.tried[0])) {
             return false;
         }
         let best = fitted.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });

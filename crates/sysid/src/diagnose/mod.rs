@@ -86,6 +86,15 @@ pub enum Progress {
         /// The sets.
         sets: Vec<Vec<String>>,
     },
+    /// A set explains the fit runs better than all before it.
+    Better {
+        /// The set.
+        set: Vec<String>,
+        /// What the base model leaves of them, in noise units.
+        base: f64,
+        /// What the set leaves.
+        error: f64,
+    },
     /// Curves are fitted at the ports where something is missing.
     Curves,
     /// The holdout runs judge.

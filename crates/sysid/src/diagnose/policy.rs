@@ -174,8 +174,8 @@ policy! {
     STEPS = 20.0;
     /// The same where a simulation is dear: the best of them is fitted on.
     STEPS_DEAR = 5.0;
-    /// Most steps with the model itself where derivatives are dear.
-    DEAR_STEPS = 8.0;
+    /// Most steps with the model itself where derivatives are dear: a delay of a joint that follows a clock's skew takes a dozen.
+    DEAR_STEPS = 20.0;
     /// Standard deviations of what is known of a base parameter beyond which a last fit starts again there, where derivatives
     /// are dear: 95 %.
     FAR_FROM_KNOWN = 2.0;

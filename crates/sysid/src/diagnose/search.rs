@@ -175,6 +175,7 @@ impl Search<'_> {
             }
             self.fit_from_every_start(better, best);
             let before = std::mem::replace(&mut best, better);
+            self.say_better(best);
             let rugged = self.refine_steps(best);
             if last {
                 return (best, Ended::AtLast);
@@ -243,6 +244,13 @@ impl Search<'_> {
         if !sets.is_empty() {
             (self.progress)(Progress::Fitting { sets });
         }
+    }
+
+    /// Says what is the best set so far: whoever waits sees it, and who stops the search has seen it.
+    fn say_better(&self, index: usize) {
+        let error = |i: usize| self.tried[i].fit.error();
+        let set = self.tried[index].effects.clone();
+        (self.progress)(Progress::Better { set, base: error(0), error: error(index) });
     }
 
     /// Fits what screening promises beside a set; the indices. `None` where no plan promises to explain what the set leaves, and
