@@ -2,12 +2,11 @@
 
 mod double_pendulum;
 
-use double_pendulum::{TORQUE, TWO, farthest, values};
+use double_pendulum::{TORQUE, TWO, farthest, robot, values};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig, RunSetup};
-use sealegs_leg::bench::{RobotFile, RobotModel};
+use sealegs_leg::bench::RobotModel;
 use sealegs_model::{Excitation, InputHold, Model, Record, Signal};
-use std::path::Path;
 
 /// 0.5 kg, 0.22 m below its hinge, 0.004 kg m^2 about its centre.
 const ARM: &str = r#"<robot name="arm">
@@ -19,13 +18,6 @@ const ARM: &str = r#"<robot name="arm">
 
 /// A payload: kg, and m below the hinge.
 const PAYLOAD: (f64, f64) = (0.3, 0.4);
-
-fn robot(folder: &Path, urdf: &str) -> RobotModel {
-    std::fs::write(folder.join("robot.urdf"), urdf).expect("written");
-    std::fs::write(folder.join("drive.toml"), TORQUE).expect("written");
-    let file = RobotFile::of_urdf("robot.urdf", "drive.toml", folder);
-    RobotModel::new(file, &[]).unwrap_or_else(|e| panic!("{e}"))
-}
 
 fn record(input: &str, output: &str) -> Record {
     let time_s: Vec<f64> = (0..1500).map(|n| f64::from(n) * 2e-3).collect();
@@ -66,7 +58,7 @@ fn reference_a_link_with_a_payload_swings_as_a_pendulum_of_both() {
     let record = record("hinge.torque_nm", "hinge.angle_rad");
     let (truth, effect) = on_bench();
     let off = |values_of: &[f64], step_s: f64| {
-        let arm = robot(folder.path(), ARM).with_step(step_s);
+        let arm = robot(folder.path(), ARM, TORQUE).with_step(step_s);
         let arm = arm.including("link/link-mass", &Excitation::default()).expect("it can carry one");
         let arm = arm.for_records(&[&record]).with_start(&record.name, vec![(0.0, 0.0)]);
         let mut all = values(&arm);
@@ -84,7 +76,7 @@ fn reference_a_link_with_a_payload_swings_as_a_pendulum_of_both() {
 fn a_payload_is_offered_at_every_link_once_and_a_file_keeps_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let seen = Excitation::default();
-    let arm = robot(folder.path(), TWO);
+    let arm = robot(folder.path(), TWO, TORQUE);
     let offered = |model: &RobotModel| -> Vec<String> {
         let cards = model.effects(&seen).into_iter();
         cards.filter(|card| card.acts_on == "link").map(|card| card.id).collect()

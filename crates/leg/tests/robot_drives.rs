@@ -2,7 +2,7 @@
 
 mod double_pendulum;
 
-use double_pendulum::{TORQUE, TWO, farthest, values};
+use double_pendulum::{TORQUE, TWO, farthest, robot, values};
 use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::bench::{Bench, BenchModel, PendulumRig, RunSetup};
 use sealegs_actuator::excitation::gaussian;
@@ -22,13 +22,6 @@ const SERVO: &str = "id = \"servo\"\nkind = \"rotary\"\nspring = \"none\"\n[moto
                      rotor_inertia_kg_m2 = 0.004\nrotor_damping_nm_s = 0.01\nwinding_resistance_ohm = 2.0\nsupply_v = 12.0\n\
                      [transmission]\ntype = \"direct\"\n[servo]\nproportional_per_rad = 6.0\nderivative_s_per_rad = 0.02\n\
                      duty_limit = 0.8\ncurrent_limit_a = 4.0\nfeedback_delay_s = 0.004\n";
-
-fn robot(folder: &Path, urdf: &str, drive: &str) -> RobotModel {
-    std::fs::write(folder.join("robot.urdf"), urdf).expect("written");
-    std::fs::write(folder.join("drive.toml"), drive).expect("written");
-    let file = RobotFile::of_urdf("robot.urdf", "drive.toml", folder);
-    RobotModel::new(file, &[]).unwrap_or_else(|e| panic!("{e}"))
-}
 
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a folder")

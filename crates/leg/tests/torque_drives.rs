@@ -2,22 +2,18 @@
 
 mod double_pendulum;
 
-use double_pendulum::{TORQUE, TWO, farthest, values};
+use double_pendulum::{TORQUE, TWO, farthest, robot, values};
 use sealegs_actuator::excitation::gaussian;
 use sealegs_leg::bench::{RobotFile, RobotModel};
 use sealegs_model::{Excitation, InputHold, Model, Record, Signal, SignalRange, internal};
 use std::path::Path;
 
 fn folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("two.urdf"), TWO).expect("written");
-    std::fs::write(folder.path().join("drive.toml"), TORQUE).expect("written");
-    folder
+    tempfile::tempdir().expect("a folder")
 }
 
 fn model(folder: &Path) -> RobotModel {
-    let file = RobotFile::of_urdf("two.urdf", "drive.toml", folder);
-    RobotModel::new(file, &[]).unwrap_or_else(|e| panic!("{e}"))
+    robot(folder, TWO, TORQUE)
 }
 
 fn torque(joint: usize, t: f64) -> f64 {
@@ -347,7 +343,7 @@ fn a_fitted_file_loads_again_from_another_folder() {
 fn what_cannot_be_is_refused_with_a_hint() {
     let folder = folder();
     let refused = |file: RobotFile| RobotModel::new(file, &[]).expect_err("must be refused").to_string();
-    let good = RobotFile::of_urdf("two.urdf", "drive.toml", folder.path());
+    let good = model(folder.path()).file().clone();
     let elastic = RobotFile { actuator: "rmd-x8-rotary-sea".to_owned(), ..good.clone() };
     let elastic = RobotModel::new(elastic, &[]).expect("a drive with a spring");
     let beside =
@@ -365,7 +361,7 @@ fn what_cannot_be_is_refused_with_a_hint() {
     let parameters = refused(parameters);
     assert!(parameters.contains("did you mean 'elbow/damping'?"), "{parameters}");
     let bad = folder.path().join("bad.toml");
-    std::fs::write(&bad, "robot = \"two.urdf\"\nactuator = \"drive.toml\"\nefect = 1\n").expect("written");
+    std::fs::write(&bad, "robot = \"robot.urdf\"\nactuator = \"drive.toml\"\nefect = 1\n").expect("written");
     let key = RobotFile::load(&bad).expect_err("an unknown key").to_string();
     assert!(key.contains("bad.toml:3"), "{key}");
     let missing = refused(RobotFile { robot: "three.urdf".to_owned(), ..good });

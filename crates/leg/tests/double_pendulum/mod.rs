@@ -1,6 +1,8 @@
 //! A double pendulum with torque drives, and what tests of robots compare.
 
+use sealegs_leg::bench::{RobotFile, RobotModel};
 use sealegs_model::Model;
+use std::path::Path;
 
 /// Two links that hang from a base.
 pub const TWO: &str = r#"<robot name="two">
@@ -18,6 +20,14 @@ pub const TWO: &str = r#"<robot name="two">
 pub const TORQUE: &str = "id = \"drive\"\nkind = \"rotary\"\nspring = \"none\"\n[motor]\ntorque_constant_nm_a = 1.0\n\
                       rotor_inertia_kg_m2 = 6e-5\nrotor_damping_nm_s = 1e-3\n[transmission]\ntype = \"gear\"\n\
                       gear_ratio = 6.0\n";
+
+/// The robot of a URDF with one drive at every joint; both are written into a folder.
+pub fn robot(folder: &Path, urdf: &str, drive: &str) -> RobotModel {
+    std::fs::write(folder.join("robot.urdf"), urdf).expect("written");
+    std::fs::write(folder.join("drive.toml"), drive).expect("written");
+    let file = RobotFile::of_urdf("robot.urdf", "drive.toml", folder);
+    RobotModel::new(file, &[]).unwrap_or_else(|e| panic!("{e}"))
+}
 
 /// The nominal values of a model's parameters.
 pub fn values(model: &dyn Model) -> Vec<f64> {

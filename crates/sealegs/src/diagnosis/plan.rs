@@ -1,8 +1,10 @@
-//! The next experiment as a file that a rig can play, and the limits that it keeps to.
+//! The next experiment: as a file that a rig can play, the limits that it keeps to, and in words where there is nothing to play.
 
+use super::in_words;
 use sealegs_actuator::ActuatorSpec;
 use sealegs_sysid::Campaign;
-use sealegs_sysid::diagnose::{Experiment, Limits, Play};
+use sealegs_sysid::diagnose::{Experiment, Limits, Play, Verdict};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// What the actuator file says the rig bears, in the unit of the campaign's input.
@@ -21,6 +23,28 @@ pub fn limits(spec: &ActuatorSpec, campaign: &Campaign) -> Limits {
         _ => peak,
     };
     Limits { input }
+}
+
+/// What to do next with a robot, whose joints move together.
+pub(super) fn moved_otherwise(verdict: &Verdict) -> String {
+    let all = std::iter::once(&verdict.effects).chain(&verdict.indistinguishable);
+    let places: BTreeSet<&str> =
+        all.flatten().filter_map(|id| id.split_once('/')).map(|(at, _)| at).collect();
+    let what = match places.into_iter().collect::<Vec<_>>()[..] {
+        [] => "the robot".to_owned(),
+        ref places => places.join(" and "),
+    };
+    let why = match &verdict.indistinguishable[..] {
+        [] => "to confirm it".to_owned(),
+        ties => {
+            let ties: Vec<String> = ties.iter().map(|set| in_words(set)).collect();
+            format!("to tell {} and {} apart", in_words(&verdict.effects), ties.join(", "))
+        }
+    };
+    format!(
+        "Its joints move together, so no single column is proposed to be played; {why}, move {what} at other speeds, loads and \
+         amplitudes than these runs have."
+    )
 }
 
 /// An experiment's input as CSV: `time_s` and the input column, one row a sample; `None` for a run of the rig's own.

@@ -7,15 +7,14 @@ use super::outcome::Outcome;
 use super::progress::message;
 use super::provenance::Provenance;
 use super::story::{Sides, Story};
-use super::{page, text};
+use super::{page, plan, text};
 use crate::campaign_model::{self, CampaignModel};
 use crate::stoppable::{Stoppable, unless_stopped};
 use crate::{Error, Options, Result, comparison};
 use sealegs_model::{Excitation, Model};
 use sealegs_recorder::recording;
-use sealegs_sysid::diagnose::{self, Experiment, Verdict, VerdictKind};
+use sealegs_sysid::diagnose::{self, Experiment, VerdictKind};
 use sealegs_sysid::{Campaign, Role, sanity, units};
-use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -136,7 +135,7 @@ impl Ready {
             None if kind == VerdictKind::Unexplained => {
                 "No effect is named, so there is nothing for an experiment to tell apart.".to_owned()
             }
-            None if limits.is_none() => moved_otherwise(&found.verdict),
+            None if limits.is_none() => plan::moved_otherwise(&found.verdict),
             None => "There is nothing to tell apart, so no experiment is proposed.".to_owned(),
         };
         if matches!(kind, VerdictKind::Unexplained | VerdictKind::PartlyExplained) {
@@ -147,29 +146,6 @@ impl Ready {
         let took = Duration::ZERO;
         Ok(Diagnosis { campaign, model: model.into(), found, experiment, outcome, label, command, took })
     }
-}
-
-/// What to do next with a robot, whose joints move together.
-fn moved_otherwise(verdict: &Verdict) -> String {
-    let named = |set: &[String]| if set.is_empty() { "the base model".to_owned() } else { set.join(" + ") };
-    let all = std::iter::once(&verdict.effects).chain(&verdict.indistinguishable);
-    let places: BTreeSet<&str> =
-        all.flatten().filter_map(|id| id.split_once('/')).map(|(at, _)| at).collect();
-    let what = match places.into_iter().collect::<Vec<_>>()[..] {
-        [] => "the robot".to_owned(),
-        ref places => places.join(" and "),
-    };
-    let why = match &verdict.indistinguishable[..] {
-        [] => "to confirm it".to_owned(),
-        ties => {
-            let ties: Vec<String> = ties.iter().map(|set| named(set)).collect();
-            format!("to tell {} and {} apart", named(&verdict.effects), ties.join(", "))
-        }
-    };
-    format!(
-        "Its joints move together, so no single column is proposed to be played; {why}, move {what} at other speeds, loads and \
-         amplitudes than these runs have."
-    )
 }
 
 /// What the catalogue does not offer a model, of what is common at joints: whoever reads that no effect explains the runs must

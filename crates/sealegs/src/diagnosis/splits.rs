@@ -1,5 +1,6 @@
 //! What is said of splits: whether the fit runs choose the same effects when one of them is left out.
 
+use super::in_words;
 use schemars::JsonSchema;
 use sealegs_sysid::diagnose::{Diagnosis, VerdictKind};
 use sealegs_sysid::{Campaign, Role, flips};
@@ -58,24 +59,21 @@ impl Splits {
 
     /// That the verdict flips, in a sentence; none where it does not.
     pub(super) fn reservation(&self, named: &[String]) -> Option<String> {
-        let set = |effects: &[String]| match effects {
-            [] => "the base model".to_owned(),
-            effects => effects.join(" + "),
-        };
         let without = |left_out: &[String]| match left_out {
             [first, .., _] if left_out.len() > MOST_NAMED => {
                 format!("any of {} runs ({first} is the first)", left_out.len())
             }
             few => few.join(" or "),
         };
-        let one =
-            |other: &OtherChoice| format!("{} without {}", set(&other.effects), without(&other.left_out));
+        let one = |other: &OtherChoice| {
+            format!("{} without {}", in_words(&other.effects), without(&other.left_out))
+        };
         let others: Vec<String> = self.others.iter().map(one).collect();
         (!others.is_empty()).then(|| {
             format!(
                 "The verdict flips between splits of the fit runs: they choose {}, and {} in {} of {} splits.",
                 others.join(", "),
-                set(named),
+                in_words(named),
                 self.choose_named,
                 self.splits
             )
