@@ -250,6 +250,31 @@ fn reference_a_measured_speed_tells_a_start_and_a_late_one_does_not() {
 }
 
 #[test]
+fn a_prediction_from_a_noisy_start_is_smooth_in_the_values_also_far_from_the_truth() {
+    let (folder, truth) = (folder(), reference([0.0; 2], 0.0));
+    let record = piece(&truth, 300..450, Some(0));
+    let model = model(folder.path()).for_records(&[&record]);
+    let index = |name: &str| model.parameters().iter().position(|p| p.name == name).expect("a parameter");
+    let (far, by) = (index("lower/mass"), index("shoulder/reflected_inertia"));
+    let mut at = values(&model);
+    at[far] *= 1.5;
+    let shown = |by_share: f64| {
+        let mut values = at.clone();
+        values[by] *= 1.0 + by_share;
+        model.predict(&values, &record, &channels()).expect("finite").outputs
+    };
+    let slope = |share: f64| -> Vec<f64> {
+        let sides = [shown(share), shown(-share)].map(|side| side.into_iter().flat_map(|s| s.values));
+        let [up, down] = sides;
+        up.zip(down).map(|(up, down)| (up - down) / (2.0 * share)).collect()
+    };
+    let (coarse, fine) = (slope(1e-2), slope(1e-4));
+    let size = fine.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+    let apart = farthest(&coarse, &fine);
+    assert!(size > 1e-3 && apart < 1e-3 * size, "{apart} of {size}");
+}
+
+#[test]
 fn reference_in_windows_an_error_is_forgotten_and_a_right_model_is_as_in_open_loop() {
     let folder = folder();
     let off = |friction: [f64; 2], memory_s: Option<f64>| {

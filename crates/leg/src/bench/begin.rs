@@ -2,8 +2,8 @@
 //! motion meets them best, weighed against what they tell.
 //!
 //! As on a bench of one drive ([`sealegs_actuator::bench`]), for all joints together: they move one another. What a change of
-//! the start does to the first rows is taken from the robot without effects at first, and corrected by what each step shows, so that
-//! a step costs one simulation of these rows.
+//! the start does to the first rows is simulated with the very values that a run is, and each start is found to the end: derivatives
+//! by the values see what is left of the way to it as if it were noise.
 
 use super::RobotModel;
 use super::joint::Column;
@@ -12,9 +12,10 @@ use sealegs_actuator::bench::{LONGEST_S, START_LIMIT, START_STEPS, Start, rows_w
 use sealegs_model::{ModelError, Record};
 use std::sync::Arc;
 
-/// Most steps to a start, and the step (standard deviations of what is known of it) below which it is found.
+/// Most steps to a start, and the step (standard deviations of what is known of it) below which it is found: a thousandth of
+/// what a derivative changes it by.
 const MOST_STEPS: usize = 8;
-const STEP_TOLERANCE: f64 = 1e-3;
+const STEP_TOLERANCE: f64 = 1e-7;
 
 /// The start of a record's run.
 #[derive(Debug, Clone, Default)]
@@ -38,8 +39,6 @@ struct FirstRows {
 struct Rough {
     first: FirstRows,
     unknown: Vec<Unknown>,
-    /// Change of the first rows (row by row, column by column, over the noise) per standard deviation of what is unknown.
-    slopes: DMatrix<f64>,
 }
 
 /// Position or speed of a joint, with the standard deviation of what the rows tell of it.
@@ -105,8 +104,9 @@ impl Begin {
         let within = rows_within(&record.time_s, LONGEST_S);
         let rows = record.at_rows(0..rows.min(within));
         let first = FirstRows { rows, channels, noise: noises };
-        let rough = (!unknown.is_empty()).then(|| Rough::of(first, &at, unknown, robot)).flatten();
-        Self { at, rough: rough.map(Arc::new) }
+        // Where the robot as it is stated cannot be simulated over these rows, nothing else tells.
+        let tells = !unknown.is_empty() && first.left(robot, &robot.nominal(), &at).is_ok();
+        Self { at, rough: tells.then(|| Arc::new(Rough { first, unknown })) }
     }
 }
 
@@ -179,17 +179,22 @@ fn step(slopes: &DMatrix<f64>, left: &DVector<f64>, off: &DVector<f64>) -> Optio
 }
 
 impl Rough {
-    /// `None` where the robot as it is stated cannot be simulated over these rows.
-    fn of(first: FirstRows, at: &[(f64, f64)], unknown: Vec<Unknown>, robot: &RobotModel) -> Option<Self> {
-        let values = robot.nominal();
-        let before = first.left(robot, &values, at).ok()?;
+    /// Change of the first rows, which a motion from `at` leaves `before` of (row by row, column by column, over the noise),
+    /// per standard deviation of what is unknown.
+    fn slopes(
+        &self,
+        robot: &RobotModel,
+        values: &[f64],
+        at: &[(f64, f64)],
+        before: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, ModelError> {
         let slope = |of: &Unknown| {
             let mut moved = at.to_vec();
             of.moves(&mut moved, 1.0);
-            Some(&before - first.left(robot, &values, &moved).ok()?)
+            Ok(before - self.first.left(robot, values, &moved)?)
         };
-        let slopes = DMatrix::from_columns(&unknown.iter().map(slope).collect::<Option<Vec<_>>>()?);
-        Some(Self { first, unknown, slopes })
+        let slopes: Result<Vec<DVector<f64>>, ModelError> = self.unknown.iter().map(slope).collect();
+        Ok(DMatrix::from_columns(&slopes?))
     }
 
     /// A start that is so many standard deviations off.
@@ -229,20 +234,16 @@ impl RobotModel {
         let left_at = |off: &DVector<f64>| rough.first.left(self, values, &rough.moved(&begin.at, off));
         let mut off = DVector::zeros(rough.unknown.len());
         let mut left = left_at(&off)?;
-        let mut slopes = rough.slopes.clone();
+        let slopes = rough.slopes(self, values, &begin.at, &left)?;
         for _ in 0..MOST_STEPS {
             let Some(step) = step(&slopes, &left, &off) else { break };
             let next = (&off + step).map(|x| x.clamp(-START_LIMIT, START_LIMIT));
-            let moved = &next - &off;
+            let moved = (&next - &off).amax();
             off = next;
-            if moved.amax() < STEP_TOLERANCE {
+            if moved < STEP_TOLERANCE {
                 break;
             }
-            let after = left_at(&off)?;
-            // C. G. Broyden 1965, Mathematics of Computation 19: the least change of the slopes that explains the step.
-            let unexplained = &left - &after - &slopes * &moved;
-            slopes.ger(1.0 / moved.norm_squared(), &unexplained, &moved, 1.0);
-            left = after;
+            left = left_at(&off)?;
         }
         Ok(rough.moved(&begin.at, &off))
     }

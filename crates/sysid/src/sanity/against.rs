@@ -6,7 +6,7 @@ use super::units::{are_counts, probable, short};
 use super::{Finding, Problem, Severity, finding, offset, rates, stuck};
 use crate::{Campaign, Data, stats};
 use sealegs_model::columns::JOINT_COMMANDS;
-use sealegs_model::{Model, Prediction, Unit};
+use sealegs_model::{Model, Parameter, Prediction, Scale, Unit};
 
 /// Integration steps per sampling period, as in a search: a sign needs no more.
 const STEPS_PER_SAMPLE: f64 = 4.0;
@@ -81,7 +81,10 @@ pub(super) fn look(campaign: &Campaign, model: &dyn Model) -> Vec<Finding> {
     }
     found.extend(stuck::dead(campaign, &mut seen));
     found.extend(swapped(campaign, &mut seen));
-    found.extend(signs_and_units(campaign, &mut seen));
+    // The inertia of a motor that nobody has stated scales every motion.
+    let is_unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none() && p.scale == Scale::Logarithmic;
+    let scaled = model.parameters().iter().any(is_unknown);
+    found.extend(signs_and_units(campaign, &mut seen, scaled));
     found.extend(stuck::clipped(campaign, &seen));
     found.extend(offset::look(campaign, &seen));
     found
@@ -115,7 +118,7 @@ pub(super) fn in_runs(campaign: &Campaign, runs: &[usize], of: usize) -> String 
 
 /// Keeps the marks of runs whose log shows the same in most of its pieces in which the column moves: a log is wired one way from
 /// its beginning to its end, and over a short piece a wrong model runs against it by chance. Returns their runs.
-fn keep_throughout<T>(
+pub(super) fn keep_throughout<T>(
     campaign: &Campaign,
     marks: &mut Vec<T>,
     run_of: impl Fn(&T) -> usize,
@@ -131,7 +134,7 @@ fn keep_throughout<T>(
 }
 
 /// The runs in which a column moves.
-fn moving(seen: &[Seen], channel: &str) -> Vec<usize> {
+pub(super) fn moving(seen: &[Seen], channel: &str) -> Vec<usize> {
     seen.iter().filter(|s| s.pair.channel == channel && s.moves()).map(|s| s.pair.run).collect()
 }
 
@@ -259,9 +262,15 @@ fn positive(channel: &str) -> &'static str {
     }
 }
 
-fn signs_and_units(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
-    let told: Vec<Option<(Problem, f64)>> =
-        seen.iter().map(|s| if s.judged || !s.moves() { None } else { of_line(s) }).collect();
+/// `scaled`: whether the model's motions are known to a factor only.
+fn signs_and_units(campaign: &Campaign, seen: &mut [Seen], scaled: bool) -> Vec<Finding> {
+    let of_pair = |s: &Seen| {
+        let told = if s.judged || !s.moves() { None } else { of_line(s) };
+        told.filter(|(problem, _)| {
+            !(scaled && *problem == Problem::OddScale && stuck::is_of_motion(s.pair.channel))
+        })
+    };
+    let told: Vec<Option<(Problem, f64)>> = seen.iter().map(of_pair).collect();
     let mut found = Vec::new();
     let all_of_command = command(campaign, seen, &told, &mut found);
     for (channel, of) in by_channel(seen) {

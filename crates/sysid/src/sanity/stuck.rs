@@ -1,6 +1,6 @@
 //! Columns that do not move although the model does: dead ones, and ones that stop at their extremes.
 
-use super::against::{FOLLOWS, Seen, by_channel, in_runs};
+use super::against::{FOLLOWS, Seen, by_channel, in_runs, keep_throughout, moving};
 use super::pair::Line;
 use super::policy::EXCITED;
 use super::units::short;
@@ -38,11 +38,11 @@ pub(super) fn dead(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
     }
     let mut found = Vec::new();
     for (channel, of) in by_channel(seen) {
-        let still: Vec<&&Seen> = of.iter().filter(|s| s.judged).collect();
+        let mut still: Vec<&&Seen> = of.iter().filter(|s| s.judged).collect();
+        let runs = keep_throughout(campaign, &mut still, |s| s.pair.run, &moving(seen, channel));
         if still.is_empty() {
             continue;
         }
-        let runs: Vec<usize> = still.iter().map(|s| s.pair.run).collect();
         // A rig that sticks is no broken sensor: something else must follow the model in the same run.
         let rig_moves = |run: usize| {
             seen.iter().any(|o| o.pair.run == run && o.moves() && o.line.correlation.abs() > FOLLOWS)
@@ -75,7 +75,7 @@ pub(super) fn dead(campaign: &Campaign, seen: &mut [Seen]) -> Vec<Finding> {
 }
 
 /// Whether a column is a position or a speed.
-fn is_of_motion(channel: &str) -> bool {
+pub(super) fn is_of_motion(channel: &str) -> bool {
     matches!(Unit::symbol_of(channel), "m" | "rad" | "m/s" | "rad/s")
 }
 
