@@ -18,6 +18,7 @@ mod feedback_delay;
 mod hardening_spring;
 mod load_dependent_friction;
 mod load_mismatch;
+mod motor_strength;
 mod output_friction;
 mod output_offset;
 mod own;
@@ -116,6 +117,7 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &temperature_friction::TemperatureFriction,
     &quadratic_drag::QuadraticDrag,
     &torque_ripple::TorqueRipple,
+    &motor_strength::MotorStrength,
     &current_saturation::CurrentSaturation,
     &voltage_saturation::VoltageSaturation,
     &pwm_dead_zone::PwmDeadZone,

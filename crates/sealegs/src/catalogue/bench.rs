@@ -19,6 +19,8 @@ pub(super) enum Rig {
     Voltage,
     /// The same with its own position loop, driven by a goal.
     Servo,
+    /// The same driven by a torque.
+    Torque,
 }
 
 /// The small gear motor: values of the size of a hobby servo's.
@@ -52,6 +54,9 @@ const VOLTAGE_V: f64 = 5.0;
 /// Greatest goal of the servo, rad.
 const GOAL_RAD: f64 = 0.5;
 
+/// Greatest torque of the gear motor, N m: a third of what holds the weight level, so that it swings and does not turn over.
+const TORQUE_NM: f64 = 0.15;
+
 /// Samples per second.
 const RATE_HZ: f64 = 1000.0;
 
@@ -78,7 +83,7 @@ struct Ready {
 }
 
 impl Rig {
-    const ALL: [Self; 3] = [Self::Sprung, Self::Voltage, Self::Servo];
+    const ALL: [Self; 4] = [Self::Sprung, Self::Voltage, Self::Servo, Self::Torque];
 
     fn words(self) -> &'static str {
         match self {
@@ -87,19 +92,23 @@ impl Rig {
                 "a small gear motor that swings a weight, a sine of 1 Hz and then steps of the voltage"
             }
             Self::Servo => "a servo that swings a weight, a sine of 1 Hz and then steps of its goal",
+            Self::Torque => {
+                "a small gear motor that swings a weight, a sine of 1 Hz and then steps of the torque"
+            }
         }
     }
 
     fn ready(self) -> Result<Ready> {
         let (spec, rig) = match self {
             Self::Sprung => (ActuatorSpec::preset("thor-linear")?, PendulumRig::default()),
-            Self::Voltage => (ActuatorSpec::from_toml(GEAR_MOTOR, "gear motor")?, WEIGHT),
+            Self::Voltage | Self::Torque => (ActuatorSpec::from_toml(GEAR_MOTOR, "gear motor")?, WEIGHT),
             Self::Servo => (ActuatorSpec::from_toml(&format!("{GEAR_MOTOR}{LOOP}"), "servo")?, WEIGHT),
         };
         let (input, peak) = match self {
             Self::Sprung => ("current_a", FORCE_N / spec.coefficients().force_constant),
             Self::Voltage => ("voltage_v", VOLTAGE_V),
             Self::Servo => ("position_rad", GOAL_RAD),
+            Self::Torque => ("joint_torque_nm", TORQUE_NM),
         };
         let model = BenchModel::new(spec, Bench::Pendulum(rig))?;
         let record = driven(input, peak);

@@ -85,7 +85,11 @@ pub(super) fn set_with_values(o: &Outcome) -> String {
     let parameters = o.after.as_ref().map_or(&[][..], |after| &after.parameters);
     let with_values = |effect: &String| {
         let own = parameters.iter().filter(|p| !p.fixed && effect_of(&p.name) == effect);
-        let value = |p| under_conventions(o, p).unwrap_or_else(|| with_interval(p.value, stated(p), &p.unit));
+        let value = |p: &ParameterValue| match under_conventions(o, p) {
+            Some(values) => values,
+            None if !p.felt => "not identifiable".to_owned(),
+            None => with_interval(p.value, stated(p), &p.unit),
+        };
         let values: Vec<String> = own.map(|p| format!("{} {}", symbol(&p.name), value(p))).collect();
         if values.is_empty() { effect.clone() } else { format!("{effect} ({})", values.join(", ")) }
     };
