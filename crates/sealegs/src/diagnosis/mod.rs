@@ -29,8 +29,3 @@ pub use better::{Addition, add, named};
 pub use page::of as page;
 pub use result::{Diagnosis, diagnose};
 pub use splits::{OtherChoice, Splits};
-
-/// A set of effects in a sentence.
-fn in_words(set: &[String]) -> String {
-    if set.is_empty() { "the base model".to_owned() } else { set.join(" + ") }
-}

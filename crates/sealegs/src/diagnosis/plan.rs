@@ -1,8 +1,8 @@
 //! The next experiment: as a file that a rig can play, the limits that it keeps to, and in words where there is nothing to play.
 
-use super::in_words;
 use sealegs_actuator::ActuatorSpec;
 use sealegs_sysid::Campaign;
+use sealegs_sysid::diagnose::in_words;
 use sealegs_sysid::diagnose::{Experiment, Limits, Play, Verdict};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

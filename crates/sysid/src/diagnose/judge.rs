@@ -1,12 +1,12 @@
 //! The verdict: what the holdout runs, read here for the first time, say of the base model and of the set that was chosen.
 
-use super::compare::{excess, runs_helped};
-use super::exchange::all_but;
+use super::candidate::all_but;
+use super::candidate::compare::{excess, runs_helped};
 use super::policy::{
     ADEQUATE, EXPLAINED, HOLDS_UP, LEFT_SHARE, LITTLE_LEFT, MOST_OF_IT, NAMED_SHARE, STEP_SHARE, TIED_COST,
     WITHIN_UNCERTAINTY, WORTH_NAMING,
 };
-use super::windows::in_windows;
+use super::refine::windows::in_windows;
 use super::{Candidate, Found};
 use crate::Error;
 use crate::data::{Data, Evaluation};

@@ -8,60 +8,32 @@
 //! from the best set is found (`rivals`), and what does not hold up across the fit runs leaves again (`across`). Then, and only
 //! then, the holdout runs are read, and judge once (`judge`).
 
-mod across;
-mod adapt;
-mod along;
 mod candidate;
-mod compare;
-mod conventions;
-mod count;
-mod counting;
-mod curves;
-mod dependence;
-mod exchange;
-mod excitations;
 mod experiment;
-mod fits;
 mod free_form;
-mod grow;
-mod horizon;
 mod judge;
-mod last;
 mod missing;
-mod nested;
-mod periods;
-mod picture;
 mod policy;
-mod profile;
 mod refine;
-mod regression;
-mod rig;
-mod rivals;
-mod rows;
-mod rugged;
-mod scatter;
 mod screen;
 mod search;
-mod starts;
-mod validation;
-mod windows;
 
-pub use candidate::{Candidate, values_by_name, with_effects};
-pub use compare::clearly_better;
-pub use conventions::OpenChoice;
-pub use count::fit_holding;
-pub use dependence::{Curve, Dependence};
+pub use candidate::compare::clearly_better;
+pub use candidate::validation::Validation;
+pub use candidate::{Candidate, Known, in_words, values_by_name, with_effects};
 pub use experiment::{Experiment, Limits, Play, next_experiment};
 pub use free_form::FreeForm;
 pub use judge::{Judged, LawJudged, Rung, Verdict, VerdictKind};
+pub use missing::dependence::{Curve, Dependence};
+pub use missing::picture::{Bin, Branch, MissingForce, missing_force};
 pub use missing::{Missing, Port};
-pub use nested::DEPARTURE;
-pub use picture::{Bin, Branch, MissingForce, missing_force};
 pub use policy::policy;
 pub use refine::Models;
-pub use screen::{Known, Plan, Promise, Screened, screen};
-pub use validation::Validation;
-pub use windows::Memory;
+pub use refine::conventions::OpenChoice;
+pub use refine::count::fit_holding;
+pub use refine::windows::Memory;
+pub use screen::{Plan, Promise, Screened, screen};
+pub use search::nested::DEPARTURE;
 
 use crate::data::Data;
 use crate::fit::{self, Difference, Fit};
@@ -199,7 +171,7 @@ pub fn diagnose(
         found.tried[0].fit = fit;
     }
     found.tried = found.tried.into_par_iter().map(|c| models.in_open_loop(c)).collect();
-    let (fit, rugged) = rugged::widened(&data, &found.tried[found.chosen]);
+    let (fit, rugged) = refine::rugged::widened(&data, &found.tried[found.chosen]);
     (found.tried[found.chosen].fit, found.rugged) = (fit, rugged);
     let seen = models.seen;
     progress(Progress::Judging);
