@@ -91,6 +91,7 @@ struct Pair<'a> {
 pub(crate) fn law(without: &Plant, with: &Plant, setting: &Setting) -> Option<Graph> {
     let pair = Pair { without, with, setting };
     pair.command()
+        .or_else(|| pair.strength())
         .or_else(|| pair.drive())
         .or_else(|| pair.friction())
         .or_else(|| pair.presliding())
@@ -168,6 +169,15 @@ impl Pair<'_> {
         let graph = Graph::new("A step of the command", ("time", "s"), ("command over its step", ""));
         let graph = graph.curve("given", given.iter().map(|t| (*t, step(t))));
         Some(graph.curve("acts", time_s.into_iter().zip(values)))
+    }
+
+    /// What the motor gives of a force or torque that it is told.
+    fn strength(&self) -> Option<Graph> {
+        let (before, after) = (self.without.force_per_command, self.with.force_per_command);
+        let (most, unit) = (self.setting.command(), self.force_unit());
+        let graph = Graph::new("What the motor gives", ("command", unit), ("force", unit));
+        let graph = graph.sweep("as it is told", (-most, most), |u| before * u);
+        (after != before).then(|| graph.sweep("with the effect", (-most, most), |u| after * u))
     }
 
     fn drive(&self) -> Option<Graph> {
