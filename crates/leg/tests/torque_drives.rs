@@ -264,8 +264,7 @@ fn a_prediction_from_a_noisy_start_is_smooth_in_the_values_also_far_from_the_tru
         model.predict(&values, &record, &channels()).expect("finite").outputs
     };
     let slope = |share: f64| -> Vec<f64> {
-        let sides = [shown(share), shown(-share)].map(|side| side.into_iter().flat_map(|s| s.values));
-        let [up, down] = sides;
+        let [up, down] = [shown(share), shown(-share)].map(|side| side.into_iter().flat_map(|s| s.values));
         up.zip(down).map(|(up, down)| (up - down) / (2.0 * share)).collect()
     };
     let (coarse, fine) = (slope(1e-2), slope(1e-4));

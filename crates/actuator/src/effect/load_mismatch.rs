@@ -1,9 +1,9 @@
 //! Load mismatch: a pendulum's load that is heavier, lighter or farther out than the campaign says.
 
 use super::Effect;
-use super::setting::{Setting, magnitude, with_neutral, with_starts};
+use super::setting::{Setting, ratio_to_stated};
 use crate::plant::{Link, Plant};
-use sealegs_model::{EffectCard, Parameter};
+use sealegs_model::EffectCard;
 
 /// A pendulum's load that is not the stated one.
 #[derive(Debug)]
@@ -11,10 +11,7 @@ pub struct LoadMismatch;
 
 impl Effect for LoadMismatch {
     fn card(&self, _setting: &Setting) -> EffectCard {
-        let ratio = |name: &str| {
-            let ratio = Parameter { typical: 0.05, ..magnitude(name, "", 1.1, 0.2, 5.0) };
-            with_starts(with_neutral(ratio, 1.0), [0.8])
-        };
+        let ratio = |name: &str| ratio_to_stated(name, 1.1, 0.8);
         EffectCard {
             id: "load-mismatch".to_owned(),
             summary: "A pendulum's load that is heavier, lighter or farther out than stated.".to_owned(),

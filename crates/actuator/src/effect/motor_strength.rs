@@ -1,9 +1,9 @@
 //! Motor strength: a motor that gives more or less than the force or torque it is told.
 
 use super::Effect;
-use super::setting::{CommandKind, Setting, magnitude, with_neutral, with_starts};
+use super::setting::{CommandKind, Setting, ratio_to_stated};
 use crate::plant::Plant;
-use sealegs_model::{EffectCard, Parameter};
+use sealegs_model::EffectCard;
 
 /// A motor that gives more or less than the force or torque it is told.
 #[derive(Debug)]
@@ -11,7 +11,6 @@ pub struct MotorStrength;
 
 impl Effect for MotorStrength {
     fn card(&self, _setting: &Setting) -> EffectCard {
-        let ratio = Parameter { typical: 0.05, ..magnitude("ratio", "", 0.9, 0.2, 5.0) };
         EffectCard {
             id: "motor-strength".to_owned(),
             summary: "A motor that gives more or less than the force or torque it is told.".to_owned(),
@@ -24,7 +23,7 @@ impl Effect for MotorStrength {
             reference: "M. Gautier, S. Briot 2014, J. Dynamic Systems, Measurement, and Control 136(5): drive gains \
                         identified with a payload that is weighed"
                 .to_owned(),
-            parameters: vec![with_starts(with_neutral(ratio, 1.0), [1.1])],
+            parameters: vec![ratio_to_stated("ratio", 0.9, 1.1)],
             symbols: "f_m: force or torque of the motor; u: command; r: ratio".to_owned(),
             told_apart: "The missing torque is proportional to the command, and the joint's own weight does not balance \
                          the command that holds it. An offset is the same at every command, and friction depends on the \

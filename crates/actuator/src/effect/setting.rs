@@ -251,6 +251,14 @@ pub fn magnitude(name: &str, unit: &str, guess: f64, min: f64, max: f64) -> Para
     }
 }
 
+/// The ratio of what there is to what is stated, from a fifth to five times it: searched from a guess and another start, on the
+/// other side of 1, where its effect vanishes.
+#[must_use]
+pub(super) fn ratio_to_stated(name: &str, guess: f64, other: f64) -> Parameter {
+    let ratio = Parameter { typical: 0.05, ..magnitude(name, "", guess, 0.2, 5.0) };
+    with_starts(with_neutral(ratio, 1.0), [other])
+}
+
 /// A parameter with further values worth starting from.
 #[must_use]
 pub fn with_starts(mut parameter: Parameter, starts: impl IntoIterator<Item = f64>) -> Parameter {

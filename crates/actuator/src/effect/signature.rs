@@ -174,10 +174,13 @@ impl Pair<'_> {
     /// What the motor gives of a force or torque that it is told.
     fn strength(&self) -> Option<Graph> {
         let (before, after) = (self.without.force_per_command, self.with.force_per_command);
+        if after == before {
+            return None;
+        }
         let (most, unit) = (self.setting.command(), self.force_unit());
         let graph = Graph::new("What the motor gives", ("command", unit), ("force", unit));
         let graph = graph.sweep("as it is told", (-most, most), |u| before * u);
-        (after != before).then(|| graph.sweep("with the effect", (-most, most), |u| after * u))
+        Some(graph.sweep("with the effect", (-most, most), |u| after * u))
     }
 
     fn drive(&self) -> Option<Graph> {

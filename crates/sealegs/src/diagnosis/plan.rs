@@ -2,8 +2,7 @@
 
 use sealegs_actuator::ActuatorSpec;
 use sealegs_sysid::Campaign;
-use sealegs_sysid::diagnose::in_words;
-use sealegs_sysid::diagnose::{Experiment, Limits, Play, Verdict};
+use sealegs_sysid::diagnose::{Experiment, Limits, Play, Verdict, in_words};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 

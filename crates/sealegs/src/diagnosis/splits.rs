@@ -1,8 +1,7 @@
 //! What is said of splits: whether the fit runs choose the same effects when one of them is left out.
 
 use schemars::JsonSchema;
-use sealegs_sysid::diagnose::in_words;
-use sealegs_sysid::diagnose::{Diagnosis, VerdictKind};
+use sealegs_sysid::diagnose::{Diagnosis, VerdictKind, in_words};
 use sealegs_sysid::{Campaign, Role, flips};
 use serde::Serialize;
 
