@@ -5,6 +5,7 @@ use crate::driven::DrivenRobot;
 use crate::note::of_the_log;
 use crate::rigid::Reach;
 use crate::term::Term;
+use crate::text::num;
 
 /// What a robot of driven joints has or leaves out in every format, its sensors and its logger last.
 pub fn of_the_robot(robot: &DrivenRobot) -> Vec<Note> {
@@ -51,6 +52,7 @@ pub fn note(id: &str, term: &Term, reach: Reach, rigid: bool) -> Note {
         Term::Mode { .. } | Term::SensorLag { .. } | Term::SensorDelay { .. } => {
             Note::lost(id, "sensors are the simulator's own")
         }
+        Term::Strength { ratio } => Note::lost(id, format!("multiply the command by {}", num(*ratio))),
         _ => Note::lost(id, "the format has no element for it"),
     }
 }

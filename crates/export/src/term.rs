@@ -112,6 +112,10 @@ pub enum Term {
         stiffness: f64,
         rest: f64,
     },
+    /// The motor gives so much more than it is told.
+    Strength {
+        ratio: f64,
+    },
     /// Another load: written as the lever's mass and length.
     Load,
     /// A duty below which the bridge gives no voltage.
@@ -199,6 +203,7 @@ impl Term {
             ("output-friction", &[torque]) => Self::OutputFriction { torque },
             ("output-offset", &[force]) => Self::OutputOffset { force },
             ("cable-stiffness", &[stiffness, rest]) => Self::Cable { stiffness, rest },
+            ("motor-strength", &[ratio]) => Self::Strength { ratio },
             ("load-mismatch", &[_, _]) => Self::Load,
             ("pwm-dead-zone", &[duty]) => Self::DeadZone { duty },
             ("supply-sag", &[resistance]) => Self::Sag { resistance },
@@ -267,7 +272,7 @@ mod tests {
 
     /// Effects for which the writers have elements of their own. Any other of the catalogue is written by its
     /// [`Effect::friction_bound`](sealegs_actuator::effect::Effect::friction_bound), or noted as lost.
-    const NAMED: [&str; 29] = [
+    const NAMED: [&str; 30] = [
         "coulomb-friction",
         "presliding-friction",
         "stribeck-friction",
@@ -295,6 +300,7 @@ mod tests {
         "output-friction",
         "output-offset",
         "cable-stiffness",
+        "motor-strength",
         "load-mismatch",
         "wobbling-mass",
     ];

@@ -111,6 +111,21 @@ fn reference(coulomb: [f64; 2], offset: f64) -> [Vec<f64>; 2] {
 }
 
 #[test]
+fn a_prediction_says_how_many_steps_it_took_and_play_takes_more() {
+    let folder = folder();
+    let coarse = model(folder.path()).coarser(4.0);
+    let steps = |model: &dyn Model| {
+        let nominal: Vec<f64> = model.parameters().iter().map(|p| p.value).collect();
+        model.predict(&nominal, &record(), &channels()).expect("a prediction").steps
+    };
+    let rigid = steps(coarse.as_ref());
+    let of_both = 2 * (record().len() as u64 - 1);
+    assert!(rigid >= of_both && rigid.is_multiple_of(of_both), "{rigid} of {of_both}");
+    let play = steps(coarse.with_effect("elbow/backlash", &seen()).expect("play").as_ref());
+    assert!(play >= 2 * rigid, "{play} and {rigid}");
+}
+
+#[test]
 fn reference_a_double_pendulum_that_begins_in_motion() {
     let (folder, record) = (folder(), record());
     let plain = model(folder.path()).with_start("run", START.to_vec());

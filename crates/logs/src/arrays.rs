@@ -13,7 +13,8 @@ pub(crate) struct Array {
     pub holds: Option<String>,
 }
 
-/// The columns of an array: of a matrix along its longer side, named `name[0]`, `name[1]` and so on.
+/// The columns of an array along its longest side, the first of them: of a matrix named `name[0]`, `name[1]` and so on, of an array
+/// of more dimensions `name[0][0]` and so on.
 ///
 /// `Err` says why it becomes none.
 fn columns(array: Array) -> Result<Vec<Column>, String> {
@@ -25,24 +26,34 @@ fn columns(array: Array) -> Result<Vec<Column>, String> {
     };
     match long[..] {
         [] | [_] => Ok(vec![with(Column::of(name, values))]),
-        [first, second] => {
-            // An empty array has no longer side either.
-            let rows_first = first >= second;
-            let (rows, across) = if rows_first { (first, second) } else { (second, first) };
+        _ => {
+            let (along, &rows) = long.iter().enumerate().rev().max_by_key(|(_, n)| **n).unwrap_or((0, &0));
+            let across: usize =
+                long.iter().enumerate().filter(|(i, _)| *i != along).map(|(_, n)| n).product();
             if across > MOST_ARRAY {
-                return Err(format!("'{name}' is a matrix of {first} by {second}: left out"));
+                let sides = long.iter().map(usize::to_string).collect::<Vec<_>>().join(" by ");
+                return Err(format!("'{name}' is an array of {sides}: left out"));
             }
-            let together = rows_first == first_fastest;
-            let value = |row: usize, c: usize| {
-                if together { values[c * rows + row] } else { values[row * across + c] }
+            // How far apart neighbours along each side are.
+            let mut strides = vec![1; long.len()];
+            let sides: Vec<usize> =
+                if first_fastest { (0..long.len()).collect() } else { (0..long.len()).rev().collect() };
+            for pair in sides.windows(2) {
+                strides[pair[1]] = strides[pair[0]] * long[pair[0]];
+            }
+            let column = |c: usize| {
+                let (mut rest, mut at, mut label) = (c, 0, String::new());
+                for side in (0..long.len()).rev().filter(|&side| side != along) {
+                    let index = rest % long[side];
+                    rest /= long[side];
+                    at += index * strides[side];
+                    label = format!("[{index}]{label}");
+                }
+                let values = (0..rows).map(|row| values[at + row * strides[along]]).collect();
+                with(Column::of(format!("{name}{label}"), values))
             };
-            Ok((0..across)
-                .map(|c| {
-                    with(Column::of(format!("{name}[{c}]"), (0..rows).map(|row| value(row, c)).collect()))
-                })
-                .collect())
+            Ok((0..across).map(column).collect())
         }
-        _ => Err(format!("'{name}' is an array of {} dimensions: left out", long.len())),
     }
 }
 
@@ -109,5 +120,20 @@ mod tests {
             assert_eq!(log.tables[0].column("q[1]").unwrap().values, [4.0, 5.0, 6.0]);
         }
         assert_eq!(into_log("", vec![array(&[1, 1], true, &[7.0])], Vec::new()).constants[0].1, 7.0);
+        // Two runs of three rows of two joints, row by row and as MATLAB keeps it.
+        let rows: Vec<f64> = (0..12).map(f64::from).collect();
+        let at = |run: usize, row: usize, joint: usize| rows[6 * run + 2 * row + joint];
+        let fastest = [0, 1].map(|joint| [0, 1, 2].map(|row| [0, 1].map(|run| at(run, row, joint))));
+        for array in
+            [array(&[2, 3, 2], false, &rows), array(&[2, 3, 2], true, fastest.as_flattened().as_flattened())]
+        {
+            let log = into_log("", vec![array], Vec::new());
+            for (run, joint) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let column = log.tables[0].column(&format!("q[{run}][{joint}]")).unwrap();
+                assert_eq!(column.values, [0, 1, 2].map(|row| at(run, row, joint)));
+            }
+        }
+        let wide = array(&[600, 600], false, &vec![0.0; 360_000]);
+        assert!(into_log("", vec![wide], Vec::new()).notes[0].contains("600 by 600"));
     }
 }

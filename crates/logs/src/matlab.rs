@@ -20,6 +20,11 @@ const DEEPEST: usize = 32;
 /// Most variables and fields that are looked into.
 const MOST_ARRAYS: usize = 20_000;
 
+/// Fields of a structure that name its numbers, and those that hold them: signals as dSPACE (`Name`, `Data`) and Simulink
+/// (`label`, `values`) write them.
+const LABELS: [&str; 2] = ["Name", "label"];
+const LABELLED: [&str; 2] = ["Data", "values"];
+
 /// Reads the bytes of a MAT-file.
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
     if bytes.is_empty() {
@@ -192,12 +197,28 @@ impl File {
                     if data.bytes.is_empty() {
                         break;
                     }
+                    let at = if count == 1 { String::new() } else { format!("({})", i + 1) };
+                    let (mut label, mut labelled) = (None, None);
                     for part in &fields {
-                        let at = if count == 1 { String::new() } else { format!("({})", i + 1) };
                         let (kind, inner) = data.element()?;
-                        if kind == MATRIX {
-                            self.matrix(inner, Some(&format!("{name}{at}.{part}")), depth + 1)?;
+                        if kind != MATRIX {
+                            continue;
                         }
+                        let own = if LABELS.contains(&part.as_str()) { label_of(inner) } else { None };
+                        if own.is_some() {
+                            label = own;
+                            continue;
+                        }
+                        let before = self.arrays.len();
+                        self.matrix(inner, Some(&format!("{name}{at}.{part}")), depth + 1)?;
+                        if LABELLED.contains(&part.as_str()) && self.arrays.len() == before + 1 {
+                            labelled = Some(before);
+                        }
+                    }
+                    if let (Some(label), Some(array)) = (label, labelled)
+                        && self.arrays.iter().all(|other| other.name != label)
+                    {
+                        self.arrays[array].name = label;
                     }
                 }
             }
@@ -240,6 +261,25 @@ impl File {
         };
         Ok(part.bytes.chunks_exact(size).map(|bytes| number(bits(bytes))).collect())
     }
+}
+
+/// The characters of an array of text that is not empty.
+fn label_of(mut data: Part) -> Option<String> {
+    let class = data.integers().ok()?.first()? & 0xFF;
+    let (_, _) = (data.element().ok()?, data.element().ok()?);
+    let (kind, characters) = data.element().ok()?;
+    let label = match (class, kind) {
+        (4, 1 | 2 | 16) => String::from_utf8_lossy(characters.bytes).into_owned(),
+        (4, 4 | 17) => {
+            let unit = |two: &[u8]| {
+                let two = [two[0], two[1]];
+                if characters.big { u16::from_be_bytes(two) } else { u16::from_le_bytes(two) }
+            };
+            String::from_utf16_lossy(&characters.bytes.chunks_exact(2).map(unit).collect::<Vec<_>>())
+        }
+        _ => return None,
+    };
+    Some(label.trim().to_owned()).filter(|label| !label.is_empty())
 }
 
 /// A name, without the zeros that fill it up.

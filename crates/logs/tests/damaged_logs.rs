@@ -96,7 +96,7 @@ proptest! {
 
     #[test]
     fn damaged_matlab(bytes in prop_oneof![
-        damaged_bytes(&good("plain.mat")), damaged_bytes(&good("packed.mat")),
+        damaged_bytes(&good("plain.mat")), damaged_bytes(&good("packed.mat")), damaged_bytes(&good("dspace.mat")),
     ]) {
         survive("r.mat", bytes);
     }

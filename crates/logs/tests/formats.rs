@@ -73,6 +73,16 @@ fn reference_matlab_files_hold_the_numbers() {
     holds(table, "data.both[0]", q, EXACT);
     holds(table, "data.both[1]", u, EXACT);
     assert_eq!(plain.constants, [("data.gain".to_owned(), 35.15)]);
+    let recorded = log("dspace.mat");
+    let table = &recorded.tables[0];
+    holds(table, "Time", t, EXACT);
+    holds(table, "angle", q, EXACT);
+    holds(table, "Model Root/volts", u, EXACT);
+    let logged = log("simulink.mat");
+    let table = &logged.tables[0];
+    holds(table, "logged.time", t, EXACT);
+    holds(table, "angle", q, EXACT);
+    holds(table, "volts", u, EXACT);
     let newer = log("level73.mat");
     let table = &newer.tables[0];
     assert_eq!(newer.format, "MATLAB (HDF5)");

@@ -66,4 +66,10 @@ impl Parameter {
             scale: Scale::Linear,
         }
     }
+
+    /// Whether nothing is known of it but an order of magnitude.
+    #[must_use]
+    pub fn is_unknown(&self) -> bool {
+        !self.fixed && self.prior_std.is_none() && self.scale == Scale::Logarithmic
+    }
 }

@@ -119,6 +119,8 @@ pub struct Prediction {
     pub internals: Vec<Signal>,
     /// What the reader should know: a beam past yield, a current at its limit; one line each, with the time.
     pub events: Vec<String>,
+    /// Integration steps that it took, of each actuator: what it cost.
+    pub steps: u64,
 }
 
 impl Prediction {

@@ -67,6 +67,7 @@ pub struct Data<'a> {
     rotary: Vec<String>,
     simulations: AtomicU64,
     simulated_ms: AtomicU64,
+    steps: AtomicU64,
 }
 
 impl Clone for Data<'_> {
@@ -161,7 +162,8 @@ impl<'a> Data<'a> {
     #[must_use]
     pub fn from_parts(channels: Vec<Channel>, runs: Vec<DataRun<'a>>, floor: f64) -> Self {
         let none = || AtomicU64::new(0);
-        Self { channels, runs, floor, rotary: Vec::new(), simulations: none(), simulated_ms: none() }
+        let rotary = Vec::new();
+        Self { channels, runs, floor, rotary, simulations: none(), simulated_ms: none(), steps: none() }
     }
 
     /// Whether the model's signals at a place are angular; a bench's only actuator has no name.
@@ -187,11 +189,20 @@ impl<'a> Data<'a> {
         (self.simulations.load(Ordering::Relaxed), ms as f64 * 1e-3)
     }
 
+    /// Integration steps that all simulations so far took, of each actuator (see [`Prediction::steps`]).
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps.load(Ordering::Relaxed)
+    }
+
     /// Counts the work that was done on a part of these data.
     pub fn add_work(&self, part: &Data) {
-        let (simulations, ms) = (&part.simulations, &part.simulated_ms);
-        self.simulations.fetch_add(simulations.load(Ordering::Relaxed), Ordering::Relaxed);
-        self.simulated_ms.fetch_add(ms.load(Ordering::Relaxed), Ordering::Relaxed);
+        let add = |to: &AtomicU64, of: &AtomicU64| {
+            to.fetch_add(of.load(Ordering::Relaxed), Ordering::Relaxed);
+        };
+        add(&self.simulations, &part.simulations);
+        add(&self.simulated_ms, &part.simulated_ms);
+        add(&self.steps, &part.steps);
     }
 
     /// Predicts one run.
@@ -228,6 +239,7 @@ impl<'a> Data<'a> {
         self.simulated_ms.fetch_add((1e3 * span) as u64, Ordering::Relaxed);
         let failed = |source| Error::Model { run: r.record.name.clone(), source };
         let prediction = simulate(r.record, &r.names).map_err(failed)?;
+        self.steps.fetch_add(prediction.steps, Ordering::Relaxed);
         for signal in &prediction.outputs {
             if let Some(i) = signal.values.iter().position(|v| !v.is_finite()) {
                 let time_s = r.record.time_s[i];

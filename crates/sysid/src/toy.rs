@@ -121,7 +121,7 @@ impl Model for Toy {
             Signal { channel: internal::SCREW_FORCE.into(), values: load },
             Signal { channel: internal::SPRING_DEFLECTION.into(), values: position },
         ];
-        Ok(Prediction { outputs, internals, events: Vec::new() })
+        Ok(Prediction { outputs, internals, ..Prediction::default() })
     }
     fn clone_box(&self) -> Box<dyn Model> {
         Box::new(self.clone())

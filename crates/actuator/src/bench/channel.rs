@@ -110,7 +110,7 @@ pub(super) fn sense(
             Signal { channel: channel.clone(), values }
         })
         .collect();
-    Prediction { outputs, ..Prediction::default() }
+    Prediction { outputs, steps: grid.steps as u64, ..Prediction::default() }
 }
 
 /// The deflection's own values, which the screw's extension stands for where nothing else moves.

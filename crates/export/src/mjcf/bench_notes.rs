@@ -78,6 +78,7 @@ pub fn notes(bench: &BenchDescription, stem: &str) -> Vec<Note> {
             Term::DeadZone { .. } | Term::Sag { .. } | Term::FeedbackDelay => {
                 Note::lost(id, "the motor of this file takes a current, not a voltage")
             }
+            Term::Strength { .. } => Note::held(id, "gain of the actuator 'motor'"),
             Term::Wobbling { .. } => Note::held(id, "body 'wobbling_mass' on the lever"),
             Term::Own(own) if matches!(own.acts_on.as_str(), "rotor" | "drive" | "spring" | "output") => {
                 callback("your law as a force")

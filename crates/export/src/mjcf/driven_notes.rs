@@ -195,6 +195,7 @@ fn effect(id: &str, term: &Term, joint: &DrivenJoint, (python, class): (&str, &s
         Term::OutputFriction { .. } if parted => {
             Note::held(id, format!("frictionloss of the joint '{name}'"))
         }
+        Term::Strength { .. } if !bridge => Note::held(id, format!("gain of the actuator '{name}'")),
         Term::Load => Note::held(id, "mass and place of the body 'load'"),
         Term::Own(own)
             if matches!(own.acts_on.as_str(), "rotor" | "drive") || (own.acts_on == "output" && !parted) =>

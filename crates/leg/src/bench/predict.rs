@@ -147,7 +147,8 @@ impl RobotModel {
             }
             outputs.push(Signal { channel: channel.clone(), values });
         }
-        Ok(Prediction { outputs, ..Prediction::default() })
+        let steps = (grid.steps * ran.drives.len()) as u64;
+        Ok(Prediction { outputs, steps, ..Prediction::default() })
     }
 
     /// The signals inside at a record's time stamps, by joint; and what is missing there, under an observer that shows it.

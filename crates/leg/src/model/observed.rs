@@ -112,7 +112,8 @@ impl Observed {
         let mut simulation = case.simulation(scenario, effects).map_err(predict::model_error)?;
         let grid = predict::grid(record, scenario.step_s)?;
         let known = self.known(case, scenario, record, &grid)?;
-        let mut prediction = Prediction { outputs: Vec::new(), internals: Vec::new(), events: Vec::new() };
+        let steps = (grid.steps * known.actuators.len()) as u64;
+        let mut prediction = Prediction { steps, ..Prediction::default() };
         let mut told: Vec<(String, Vec<f64>)> = Vec::new();
         for followed in &known.actuators {
             let inside = asked.inside.then_some(&mut prediction.internals);

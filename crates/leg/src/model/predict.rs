@@ -154,7 +154,8 @@ pub(super) fn predict(
         .zip(inside)
         .map(|(channel, values)| Signal { channel, values: sample(&values, &grid, &record.time_s, 0.0) })
         .collect();
-    Ok(Prediction { outputs, internals, events })
+    let steps = (grid.steps * travel.len()) as u64;
+    Ok(Prediction { outputs, internals, events, steps })
 }
 
 /// Puts a record's input columns in the place of the controller's commands.

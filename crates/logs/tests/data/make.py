@@ -47,6 +47,19 @@ with open("comments.csv", "w") as out:
 names = {"t": t, "q": q, "u": u, "i": i.astype(np.int32), "gain": 35.15, "label": "a rig"}
 scipy.io.savemat("packed.mat", names, do_compression=True, oned_as="column")
 scipy.io.savemat("plain.mat", {"data": {**names, "both": np.column_stack([q, u])}}, oned_as="row")
+# Signals as dSPACE records them, and as Simulink writes a structure with time.
+def structures(signals, label, values):
+    """A structure array of signals by name."""
+    out = np.empty(len(signals), dtype=[(label, object), (values, object)])
+    for place, (name, of) in enumerate(signals.items()):
+        out[place] = (name, of)
+    return out
+
+
+recorded = {"X": {"Name": "Time", "Data": t}, "Y": structures({"angle": q, "Model Root/volts": u}, "Name", "Data")}
+scipy.io.savemat("dspace.mat", {"rec": recorded}, oned_as="row")
+logged = {"time": t, "signals": structures({"angle": q, "volts": u}, "label", "values")}
+scipy.io.savemat("simulink.mat", {"logged": logged}, do_compression=True, oned_as="column")
 # MATLAB of level 7.3: HDF5 behind a header of MATLAB's; the last index is its first, truth and text are whole numbers.
 with h5py.File("level73.mat", "w", userblock_size=512) as out:
     data = out.create_group("data")

@@ -227,6 +227,7 @@ fn search<'a>(
         tried: vec![first],
         promises: Vec::new(),
         observed: Vec::new(),
+        fitted_anew: Vec::new(),
         screened: Vec::new(),
         ports,
         curve: None,

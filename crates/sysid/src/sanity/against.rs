@@ -6,7 +6,7 @@ use super::units::{are_counts, probable, short};
 use super::{Finding, Problem, Severity, finding, offset, rates, stuck};
 use crate::{Campaign, Data, stats};
 use sealegs_model::columns::JOINT_COMMANDS;
-use sealegs_model::{Model, Parameter, Prediction, Scale, Unit};
+use sealegs_model::{Model, Parameter, Prediction, Unit};
 
 /// Integration steps per sampling period, as in a search: a sign needs no more.
 const STEPS_PER_SAMPLE: f64 = 4.0;
@@ -82,8 +82,7 @@ pub(super) fn look(campaign: &Campaign, model: &dyn Model) -> Vec<Finding> {
     found.extend(stuck::dead(campaign, &mut seen));
     found.extend(swapped(campaign, &mut seen));
     // The inertia of a motor that nobody has stated scales every motion.
-    let is_unknown = |p: &Parameter| !p.fixed && p.prior_std.is_none() && p.scale == Scale::Logarithmic;
-    let scaled = model.parameters().iter().any(is_unknown);
+    let scaled = model.parameters().iter().any(Parameter::is_unknown);
     found.extend(signs_and_units(campaign, &mut seen, scaled));
     found.extend(stuck::clipped(campaign, &seen));
     found.extend(offset::look(campaign, &seen));

@@ -99,6 +99,11 @@ impl Candidate {
         Arc::new(KnownColumns::of(&self.fit))
     }
 
+    /// What it leaves above the noise, as a cost.
+    pub(crate) fn cost_above(&self, floor: f64) -> f64 {
+        (self.fit.cost - 0.5 * floor.powi(2) * self.validation.residuals as f64).max(0.0)
+    }
+
     /// Number of parameters that the effects add and a fit may change.
     #[must_use]
     pub fn effect_parameters(&self) -> usize {

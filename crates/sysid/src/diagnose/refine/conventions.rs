@@ -3,8 +3,7 @@
 
 use super::Models;
 use crate::diagnose::Candidate;
-use crate::diagnose::candidate::Known;
-use crate::diagnose::candidate::values_by_name;
+use crate::diagnose::candidate::{Known, values_by_name};
 use crate::fit::{self, EQUAL_COST};
 
 /// The unit of a choice of where a row's command acts from.

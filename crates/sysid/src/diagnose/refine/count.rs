@@ -1,7 +1,7 @@
 //! Counts: parameters along which a prediction jumps, such as the resolution of a drive.
 //!
 //! The cost has a narrow minimum at the truth and many local ones beside it, and no derivative shows the way. A fit holds such
-//! parameters where they start (see [`crate::diagnose::counting`]) and moves all others; in between they are searched again nearby.
+//! parameters where they start (see [`crate::diagnose::screen::counting`]) and moves all others; in between they are searched again nearby.
 
 use crate::Error;
 use crate::data::Data;

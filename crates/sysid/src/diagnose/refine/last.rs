@@ -5,8 +5,7 @@ use super::horizon::Derivatives;
 use super::starts::{freed, with_nominal_base};
 use super::{Models, finishing};
 use crate::Error;
-use crate::diagnose::candidate::Known;
-use crate::diagnose::candidate::within_half_a_period;
+use crate::diagnose::candidate::{Known, within_half_a_period};
 use crate::diagnose::policy::{
     DEAR_STEPS, FAR_FROM_KNOWN, FREED_ROUNDS, HALF_STEPS, NEAR_FLOOR, NOTHING_MORE, WORTH_SQUARED_NOISE,
 };

@@ -16,8 +16,10 @@ pub(super) mod windows;
 
 use crate::Error;
 use crate::data::Data;
-use crate::diagnose::candidate::Known;
-use crate::diagnose::candidate::compare::{excess, is_seen, mean_square_difference};
+use crate::diagnose::candidate::{
+    Known,
+    compare::{excess, is_seen, mean_square_difference},
+};
 use crate::diagnose::policy::{
     AT_FLOOR, OBSERVED_STEPS, RACE_STEPS, RACED, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE, TRACE, WEAKER,
 };

@@ -2,8 +2,7 @@
 //! nominal ones.
 
 use crate::diagnose::Candidate;
-use crate::diagnose::candidate::symbol;
-use crate::diagnose::candidate::{Known, is_amplitude};
+use crate::diagnose::candidate::{Known, is_amplitude, symbol};
 use crate::diagnose::policy::{SLIGHTLY_WEAKER, WEAKENINGS, WEAKENINGS_OBSERVED};
 use rayon::prelude::*;
 use sealegs_model::{Model, Parameter};

@@ -4,10 +4,7 @@
 use super::Search;
 use super::nested::simpler_id;
 use crate::diagnose::Candidate;
-use crate::diagnose::candidate::all_but;
-use crate::diagnose::candidate::compare::clearly_better;
-use crate::diagnose::candidate::symbol;
-use crate::diagnose::candidate::{Known, is_amplitude};
+use crate::diagnose::candidate::{Known, all_but, compare::clearly_better, is_amplitude, symbol};
 use crate::diagnose::policy::{EXPLAINED, KNOWN_FROM_ZERO, NAMED_SHARE, TIED_COST};
 use crate::diagnose::refine::folds::folds;
 use crate::fit::FittedParameter;

@@ -6,8 +6,7 @@
 
 use super::nested::simpler_id;
 use crate::diagnose::Candidate;
-use crate::diagnose::candidate::Known;
-use crate::diagnose::candidate::symbol;
+use crate::diagnose::candidate::{Known, symbol};
 use crate::diagnose::policy::{PERIODS, SCREEN_STEPS_PER_SAMPLE, SLIGHT_WAVE};
 use crate::diagnose::refine::Models;
 use crate::diagnose::screen::periods::{peaks, waves_along};

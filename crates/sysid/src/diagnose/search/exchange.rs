@@ -2,10 +2,12 @@
 
 use super::Search;
 use crate::diagnose::Candidate;
-use crate::diagnose::candidate::all_but;
-use crate::diagnose::candidate::compare::clearly_better;
-use crate::diagnose::policy::{ALIKE_COST, MOST_OF_IT, NEEDED_COST, RIVAL_COST, RIVALS};
-use crate::diagnose::screen::{Plan, Promise};
+use crate::diagnose::candidate::{all_but, compare::clearly_better};
+use crate::diagnose::policy::{
+    ALIKE_COST, FROM_EVERY_START, MOST_OF_IT, NEAR_FLOOR, NEEDED_COST, RIVAL_COST, RIVALS,
+};
+use crate::diagnose::screen::{Plan, Promise, addable};
+use rayon::prelude::*;
 
 impl Search<'_> {
     /// Index of a set without one of its members. A fit of it from elsewhere may have ended where nothing leads on: it says
@@ -47,27 +49,21 @@ impl Search<'_> {
         }
     }
 
-    /// Tries rivals in the place of each member of a set of several, as they promised to be beside the base model: effects at
-    /// the same port, and those that alone leave as little as the member does.
+    /// Tries rivals in the place of each member of a set. Where it leaves something, a rival may rest in a minimum of its own:
+    /// those that left least beside the other members are fitted from every start. Where a set of several explains everything,
+    /// effects at the member's port, and those that alone leave as little as it does, are fitted as they promised to be beside
+    /// the base model.
     pub(crate) fn exchanged(&mut self, best: usize) -> usize {
         let effects = self.tried[best].effects.clone();
-        if effects.len() < 2 {
+        if effects.is_empty() {
             return best;
         }
-        let cards = self.models.exact.effects(&self.models.seen);
-        let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
-        let (mut fitted, most) = (Vec::new(), RIVALS as usize);
         let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
         let base = self.observing(&self.tried[0]).map_or(self.tried[0].fit.cost, |base| base.fit.cost);
-        for leaving in &effects {
+        let mut fitted = self.rivals_anew(best);
+        for leaving in effects.iter().filter(|_| effects.len() > 1) {
             let rest = all_but(&effects, leaving);
-            let promised = || self.promises.iter().filter(|p| !effects.contains(&p.effect) && p.drop > 0.0);
-            let at_port = |p: &&Promise| port(&p.effect) == port(leaving);
-            let alike = |p: &&Promise| !at_port(p) && self.leaves_as_little(&p.effect, leaving, base);
-            let rivals = promised().filter(at_port).take(most).chain(promised().filter(alike).take(most));
-            let mut plans: Vec<Plan> = rivals
-                .map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() })
-                .collect();
+            let mut plans = self.rivals_of(leaving, &effects, base);
             if let Some(own) = own {
                 let near = Candidate { effects: rest.clone(), ..self.tried[best].clone() };
                 plans.retain(|p| !self.is_beaten(&self.set_with(&near, &p.added), own));
@@ -87,13 +83,82 @@ impl Search<'_> {
         rival.fold(best, |a, b| if mean(b) < mean(a) { b } else { a })
     }
 
+    /// Rivals of a member of a set as they promised to be beside the base model, which leaves so much: those at its port, and those
+    /// that alone leave as little.
+    fn rivals_of(&self, leaving: &String, effects: &[String], base: f64) -> Vec<Plan> {
+        let cards = self.models.exact.effects(&self.models.seen);
+        let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
+        let promised = || self.promises.iter().filter(|p| !effects.contains(&p.effect) && p.drop > 0.0);
+        let at_port = |p: &&Promise| port(&p.effect) == port(leaving);
+        let alike = |p: &&Promise| !at_port(p) && self.leaves_as_little(&p.effect, leaving, base);
+        let most = RIVALS as usize;
+        let rivals = promised().filter(at_port).take(most).chain(promised().filter(alike).take(most));
+        rivals.map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() }).collect()
+    }
+
+    /// Fits rivals of the members of a set from every start, each once: effects of several parameters that left least beside the
+    /// other members. Members that take a trace only are left out: they stand for what the others do not explain. The indices;
+    /// none where these explain everything, a simulation is dear, or much was simulated.
+    fn rivals_anew(&mut self, best: usize) -> Vec<usize> {
+        let named = self.without_traces(best);
+        if !self.may_rest(named) {
+            return Vec::new();
+        }
+        let effects = self.tried[named].effects.clone();
+        let cards = addable(self.tried[0].model.as_ref(), &self.models.seen, &self.admitted);
+        let mut fitted = Vec::new();
+        for leaving in &effects {
+            if self.models.dear || self.is_long() {
+                break;
+            }
+            let Some(near) = self.index_of(&all_but(&effects, leaving), named) else { continue };
+            let near = self.tried[near].clone();
+            let rivals = cards.iter().filter(|c| !effects.contains(&c.id) && c.parameters.len() > 1);
+            let mut sets: Vec<(f64, Vec<String>, &String)> = rivals
+                .filter_map(|card| {
+                    let set = self.set_with(&near, std::slice::from_ref(&card.id));
+                    Some((self.left_by(&set)?, set, &card.id))
+                })
+                .collect();
+            sets.sort_by(|a, b| a.0.total_cmp(&b.0));
+            sets.truncate(FROM_EVERY_START as usize);
+            sets.retain(|(_, set, _)| !self.fitted_anew.contains(set));
+            self.say_fitted(sets.iter().map(|(_, set, _)| set.clone()).collect());
+            let models = &self.models;
+            let fit = |(_, set, effect): &(f64, Vec<String>, &String)| {
+                Some(models.reordered(models.with_one_more(&near, effect)?, set))
+            };
+            let anew: Vec<Candidate> = sets.par_iter().filter_map(fit).collect();
+            self.fitted_anew.extend(sets.into_iter().map(|(_, set, _)| set));
+            fitted.extend(anew.into_iter().map(|set| self.kept(set)).collect::<Vec<_>>());
+        }
+        fitted
+    }
+
+    /// Whether a set leaves something without the members that take a trace only: it may rest where another one does not.
+    pub(crate) fn may_rest(&self, set: usize) -> bool {
+        self.tried[self.without_traces(set)].fit.error() > NEAR_FLOOR * self.models.data.floor
+    }
+
+    /// A set without the members that take no more than a trace of what the base model leaves.
+    fn without_traces(&self, set: usize) -> usize {
+        let effects = &self.tried[set].effects;
+        let rest = |leaving: &String| {
+            let rest = all_but(effects, leaving);
+            self.tried.iter().position(|t| t.effects == rest).filter(|&i| self.is_explained(i))
+        };
+        effects.iter().find_map(rest).map_or(set, |rest| self.without_traces(rest))
+    }
+
+    /// What a set left under the observer, or in open loop where it was not fitted there; `None` of one that was not fitted.
+    fn left_by(&self, set: &[String]) -> Option<f64> {
+        let seen = self.least_observed(|o| o.effects == set).map(|o| o.seen.cost);
+        seen.or_else(|| self.tried.iter().find(|t| t.effects == set).map(|t| t.fit.cost))
+    }
+
     /// Whether an effect alone leaves hardly more than another one, which takes most of the cost that the base model leaves.
     fn leaves_as_little(&self, effect: &String, other: &String, base: f64) -> bool {
-        let alone = |id: &String| {
-            let set = std::slice::from_ref(id);
-            let seen = self.least_observed(|o| o.effects == set).map(|o| o.seen.cost);
-            seen.or_else(|| self.tried.iter().find(|t| t.effects == set).map(|t| t.fit.cost))
-        };
+        let alone = |id: &String| self.left_by(std::slice::from_ref(id));
         let (Some(own), Some(other)) = (alone(effect), alone(other)) else { return false };
         other < (1.0 - MOST_OF_IT) * base && own <= ALIKE_COST * other
     }

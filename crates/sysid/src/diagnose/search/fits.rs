@@ -3,8 +3,7 @@
 
 use super::{Observed, Search};
 use crate::diagnose::Candidate;
-use crate::diagnose::candidate::Known;
-use crate::diagnose::candidate::compare::is_seen;
+use crate::diagnose::candidate::{Known, compare::is_seen};
 use crate::diagnose::policy::{ALIKE_COST, FOLLOWERS, FOLLOWERS_DEAR, LEADERS, RIVAL_COST};
 use crate::diagnose::refine::Models;
 use crate::diagnose::refine::Seen;

@@ -5,7 +5,7 @@ use super::fits::Planned;
 use super::{Observed, Search};
 use crate::diagnose::candidate::Known;
 use crate::diagnose::candidate::compare::excess;
-use crate::diagnose::policy::{LEFT_SHARE, MAY_EXPLAIN, NEAR_FLOOR, SEEN_TOGETHER, STARTS};
+use crate::diagnose::policy::{LEFT_SHARE, MAY_EXPLAIN, NEAR_FLOOR, PROMISES_ON, SEEN_TOGETHER, STARTS};
 use crate::diagnose::refine::Models;
 use crate::diagnose::refine::Seen;
 use crate::diagnose::refine::rugged;
@@ -97,6 +97,11 @@ impl Search<'_> {
         let may_explain = |error: f64| error <= MAY_EXPLAIN * floor || excess(error, floor) <= most;
         while beside.fit.error() > NEAR_FLOOR * floor && !self.is_long() {
             let plans = self.screened_beside(&beside).plans(f64::INFINITY, true);
+            let left = beside.cost_above(floor);
+            let promised = plans.iter().map(|plan| plan.drop).fold(0.0, f64::max);
+            if !beside.effects.is_empty() && promised < PROMISES_ON * left {
+                break;
+            }
             let planned = self.planned(&beside, Some(&beside), plans);
             let one_more =
                 |o: &Observed| o.from == beside.effects && o.effects.len() == beside.effects.len() + 1;

@@ -12,7 +12,7 @@ pub(super) mod scatter;
 
 use crate::diagnose::candidate::compare::{clearly_better, excess, is_beyond_chance};
 use crate::diagnose::policy::{
-    AT_FLOOR, DRIFTS, EXCHANGES, EXPLAINED, LEFT_SHARE, LONG_SEARCH_S, MOST_EFFECTS, NEAR_FLOOR, OPEN_LOOP,
+    AT_FLOOR, DRIFTS, EXCHANGES, EXPLAINED, LEFT_SHARE, LONG_SEARCH, MOST_EFFECTS, NEAR_FLOOR, OPEN_LOOP,
     OPEN_LOOP_WORTH, PAIR, PROMISES_MOST, SCATTERED, SEEN_TOGETHER, STARTS, STARTS_DEAR, STEP_SHARE,
     WORTH_NAMING,
 };
@@ -59,6 +59,8 @@ pub(crate) struct Search<'a> {
     pub promises: Vec<Promise>,
     /// Every set that was fitted under the observer.
     pub observed: Vec<Observed>,
+    /// Sets whose last member was fitted beside the others from every start.
+    pub fitted_anew: Vec<Vec<String>>,
     /// What was screened beside which sets.
     pub screened: Vec<(Vec<String>, Screened)>,
     /// What is missing at the ports of the base model.
@@ -97,7 +99,10 @@ impl Search<'_> {
             return best;
         }
         if ended == Ended::AtLast {
-            return self.pruned(best);
+            best = self.pruned(best);
+            if !self.may_rest(best) {
+                return best;
+            }
         }
         for _ in 0..EXCHANGES as usize {
             let before = best;
@@ -130,7 +135,7 @@ impl Search<'_> {
     /// Whether so much was simulated that sets only grow from now on, up to pairs: where nothing explains the runs, every further
     /// look costs as much as all that is known cost so far.
     pub fn is_long(&self) -> bool {
-        self.models.data.work().1 > LONG_SEARCH_S
+        self.models.data.steps() as f64 > LONG_SEARCH
     }
 
     /// Adds effects to a set as long as that is clearly better, up to so many; the index of the last set, and why it grows no
@@ -252,10 +257,10 @@ impl Search<'_> {
         let near = self.tried[from].clone();
         let beside = self.observing(&near);
         let screened = self.screened_beside(beside.as_ref().unwrap_or(&near));
-        let noise = 0.5 * self.models.data.floor.powi(2) * near.validation.residuals as f64;
-        let left = (near.fit.cost - noise).max(0.0);
+        let floor = self.models.data.floor;
+        let left = near.cost_above(floor);
         let plans = screened.plans(left, from > 0);
-        let seen = beside.as_ref().map_or(left, |beside| beside.fit.cost - noise);
+        let seen = beside.as_ref().map_or(left, |beside| beside.cost_above(floor));
         if from > 0 && plans.iter().all(|plan| plan.drop < PROMISES_MOST * seen) {
             self.look_for_curve(from);
             if self.curve_explains(from) {
@@ -263,7 +268,6 @@ impl Search<'_> {
             }
         }
         let mut fitted = self.fit_all(&near, beside.as_ref(), plans, None);
-        let floor = self.models.data.floor;
         let much = OPEN_LOOP_WORTH * excess(self.tried[from].fit.error(), floor);
         let better = self.best_of(&fitted, from);
         let error = self.tried[better].fit.error();

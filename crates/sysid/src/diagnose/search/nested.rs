@@ -3,10 +3,7 @@
 
 use super::Search;
 use crate::diagnose::Candidate;
-use crate::diagnose::candidate::all_but;
-use crate::diagnose::candidate::compare::clearly_better;
-use crate::diagnose::candidate::symbol;
-use crate::diagnose::candidate::{Known, is_amplitude};
+use crate::diagnose::candidate::{Known, all_but, compare::clearly_better, is_amplitude, symbol};
 use crate::diagnose::policy::TIED_COST;
 use crate::diagnose::refine::Models;
 use crate::fit::{EQUAL_COST, Signatures};

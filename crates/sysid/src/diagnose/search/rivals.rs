@@ -3,10 +3,11 @@
 use super::Search;
 use super::nested::{as_simple, simpler_id};
 use crate::diagnose::Candidate;
-use crate::diagnose::candidate::Known;
-use crate::diagnose::candidate::all_but;
-use crate::diagnose::candidate::compare::{clearly_better, gain, is_seen};
-use crate::diagnose::candidate::symbol;
+use crate::diagnose::candidate::{
+    Known, all_but,
+    compare::{clearly_better, gain, is_seen},
+    symbol,
+};
 use crate::diagnose::policy::{NEAR_FLOOR, TIED_COST};
 use crate::fit::EQUAL_COST;
 use rayon::prelude::*;

@@ -77,7 +77,7 @@ impl Models<'_> {
         !self.dear
             && !self.data.channels.iter().any(|c| is_position(&c.name))
             && best.fit.error() > EXPLAINED * self.data.floor
-            && self.exact.parameters().iter().any(is_unknown)
+            && self.exact.parameters().iter().any(Parameter::is_unknown)
     }
 
     /// The run of which a candidate leaves most and the one of which it leaves least: what tells places apart that are far
@@ -108,7 +108,7 @@ impl Models<'_> {
         let rough = Models { data: &few, observed: None, ..self.clone() };
         // Far from the solution what is known of the base takes the part of what is not: it stays as stated.
         let known: Vec<String> =
-            self.exact.parameters().iter().filter(|p| !is_unknown(p)).map(|p| p.name.clone()).collect();
+            self.exact.parameters().iter().filter(|p| !p.is_unknown()).map(|p| p.name.clone()).collect();
         let around = |values: Vec<(usize, Vec<f64>)>, ratio: f64| -> Vec<Place> {
             let starts: Vec<(usize, Vec<f64>)> = values
                 .iter()
@@ -203,15 +203,10 @@ fn most_promising(mut places: Vec<Place>, sets: usize, of_each: usize, of_all: u
     places
 }
 
-/// Whether nothing is known of a parameter but an order of magnitude.
-fn is_unknown(p: &Parameter) -> bool {
-    !p.fixed && p.prior_std.is_none() && p.scale == Scale::Logarithmic
-}
-
 /// Whether the starts differ in a parameter: one of which nothing is known, or a positive one of an effect.
 fn spreads(p: &Parameter, of_base: bool) -> bool {
     let periodic = p.starts.len() > 1 && p.scale == Scale::Linear && p.neutral.is_none();
-    !p.fixed && p.value > 0.0 && p.prior_std.is_none() && if of_base { is_unknown(p) } else { !periodic }
+    !p.fixed && p.value > 0.0 && p.prior_std.is_none() && if of_base { p.is_unknown() } else { !periodic }
 }
 
 /// The digits of a number in a base, mirrored at the point: between 0 and 1.
