@@ -8,9 +8,9 @@ const LOOKED_AT: usize = 4096;
 /// A text in UTF-16 or Latin-1, as spreadsheets and instruments save it, in UTF-8. UTF-16 begins with a mark; what is no UTF-8, but
 /// has no control characters either, is Latin-1.
 pub(crate) fn in_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let unit: fn([u8; 2]) -> u16 = match bytes {
-        [0xff, 0xfe, ..] => u16::from_le_bytes,
-        [0xfe, 0xff, ..] => u16::from_be_bytes,
+    let big = match bytes {
+        [0xff, 0xfe, ..] => false,
+        [0xfe, 0xff, ..] => true,
         _ => {
             let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
             let start = &bytes[..bytes.len().min(LOOKED_AT)];
@@ -21,7 +21,12 @@ pub(crate) fn in_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
             };
         }
     };
-    let units = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
-    let text = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
-    Cow::Owned(text.collect::<String>().into_bytes())
+    Cow::Owned(of_utf16(&bytes[2..], big).into_bytes())
+}
+
+/// A text of UTF-16, with `big` the high byte first.
+pub(crate) fn of_utf16(bytes: &[u8], big: bool) -> String {
+    let unit = if big { u16::from_be_bytes } else { u16::from_le_bytes };
+    let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+    char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
 }

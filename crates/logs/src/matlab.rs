@@ -7,6 +7,7 @@
 use crate::LogError;
 use crate::arrays::{Array, into_log};
 use crate::budget::{Budget, MOST_INFLATED};
+use crate::encoding::of_utf16;
 use crate::table::{Log, TRUTH};
 use std::io::Read;
 use std::path::Path;
@@ -204,9 +205,10 @@ impl File {
                         if kind != MATRIX {
                             continue;
                         }
-                        let own = if LABELS.contains(&part.as_str()) { label_of(inner) } else { None };
-                        if own.is_some() {
-                            label = own;
+                        if LABELS.contains(&part.as_str())
+                            && let Some(own) = label_of(inner)
+                        {
+                            label = Some(own);
                             continue;
                         }
                         let before = self.arrays.len();
@@ -266,17 +268,13 @@ impl File {
 /// The characters of an array of text that is not empty.
 fn label_of(mut data: Part) -> Option<String> {
     let class = data.integers().ok()?.first()? & 0xFF;
-    let (_, _) = (data.element().ok()?, data.element().ok()?);
+    // Its shape and its name.
+    data.element().ok()?;
+    data.element().ok()?;
     let (kind, characters) = data.element().ok()?;
     let label = match (class, kind) {
         (4, 1 | 2 | 16) => String::from_utf8_lossy(characters.bytes).into_owned(),
-        (4, 4 | 17) => {
-            let unit = |two: &[u8]| {
-                let two = [two[0], two[1]];
-                if characters.big { u16::from_be_bytes(two) } else { u16::from_le_bytes(two) }
-            };
-            String::from_utf16_lossy(&characters.bytes.chunks_exact(2).map(unit).collect::<Vec<_>>())
-        }
+        (4, 4 | 17) => of_utf16(characters.bytes, characters.big),
         _ => return None,
     };
     Some(label.trim().to_owned()).filter(|label| !label.is_empty())

@@ -119,7 +119,7 @@ pub struct Prediction {
     pub internals: Vec<Signal>,
     /// What the reader should know: a beam past yield, a current at its limit; one line each, with the time.
     pub events: Vec<String>,
-    /// Integration steps that it took, of each actuator: what it cost.
+    /// Integration steps that it took, times the actuators that were simulated: what it cost.
     pub steps: u64,
 }
 

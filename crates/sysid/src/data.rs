@@ -189,7 +189,7 @@ impl<'a> Data<'a> {
         (self.simulations.load(Ordering::Relaxed), ms as f64 * 1e-3)
     }
 
-    /// Integration steps that all simulations so far took, of each actuator (see [`Prediction::steps`]).
+    /// Integration steps of all simulations so far (see [`Prediction::steps`]).
     #[must_use]
     pub fn steps(&self) -> u64 {
         self.steps.load(Ordering::Relaxed)
