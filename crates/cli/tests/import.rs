@@ -3,7 +3,7 @@
 mod program;
 
 use program::sealegs;
-use sealegs::sysid::Campaign;
+use sealegs::sysid::{Campaign, Role};
 use std::path::{Path, PathBuf};
 
 fn log(name: &str) -> PathBuf {
@@ -246,6 +246,10 @@ fn a_dataset_of_lerobot_becomes_a_robot_with_a_run_for_each_episode() {
     let out = dataset.path().join("mine");
     let told = said(&["import", text(&file), "-o", text(&out)]);
     assert!(told.contains("-> pan.position_rad") && told.contains("-> lift.angle_rad"), "{told}");
+    for of_dataset in [dataset.path(), &dataset.path().join("data"), &meta.join("info.json")] {
+        let told = said(&["import", text(of_dataset)]);
+        assert!(told.contains("file-000.parquet") && told.contains("-> pan.position_rad"), "{told}");
+    }
     let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
     holds(
         &written,
@@ -384,4 +388,38 @@ fn with_a_urdf_columns_get_the_names_of_its_joints() {
         assert_eq!(done.status.code(), Some(2), "{message}");
         assert!(message.contains(word), "{message}");
     }
+}
+
+#[test]
+fn loggers_of_several_runs_are_paired_by_time_and_runs_that_are_called_so_judge() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    for (n, run) in ["check", "chirp", "steps"].iter().enumerate() {
+        for (part, header, step) in [("drive", "epoch,Iq_ref (A),angle", 0.01), ("temp", "epoch,T [°C]", 0.5)]
+        {
+            let (start, rows) = (1.7e9 + 100.0 * n as f64, if part == "drive" { 1000 } else { 20 });
+            let row = |i: u32| {
+                let (t, x) = (start + step * f64::from(i), (0.3 * f64::from(i)).sin());
+                if part == "drive" {
+                    format!("{t:.3},{x},{}\n", 0.5 * x)
+                } else {
+                    format!("{t:.3},{}\n", 30.0 + 0.1 * x)
+                }
+            };
+            let file = folder.path().join(format!("{run}_{part}.csv"));
+            std::fs::write(&file, format!("{header}\n{}", (0..rows).map(row).collect::<String>())).unwrap();
+            files.push(file);
+        }
+    }
+    let out = folder.path().join("paired");
+    let arguments: Vec<&str> =
+        ["import"].into_iter().chain(files.iter().map(|f| text(f))).chain(["-o", text(&out)]).collect();
+    said(&arguments);
+    let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+    assert_eq!(written.matches("files = [").count(), 3, "{written}");
+    let campaign = Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{written}"));
+    assert!(campaign.runs.iter().all(|run| run.record.input("temperature_c").is_some()), "{written}");
+    let judge: Vec<&str> =
+        campaign.runs_of(Role::Holdout).map(|run| run.path.file_name().unwrap().to_str().unwrap()).collect();
+    assert_eq!(judge, ["check_drive.csv"], "{written}");
 }

@@ -168,7 +168,7 @@ fn recording_in(folder: &Path) -> Result<PathBuf, LogError> {
     found.sort();
     match found.len() {
         1 => Ok(found.remove(0)),
-        0 => Err(LogError::whole(folder, "is a folder without a recording (.mcap, .db3)")),
+        0 => Err(LogError::whole(folder, "is a folder without a recording (.mcap, .db3); name its files")),
         n => Err(LogError::whole(folder, format!("has {n} recordings; name them one by one under files"))),
     }
 }

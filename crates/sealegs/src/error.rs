@@ -2,6 +2,7 @@
 
 use sealegs_actuator::ActuatorError;
 use sealegs_leg::LegError;
+use sealegs_logs::Format;
 use sealegs_model::ModelError;
 use sealegs_recorder::RecorderError;
 use std::path::{Path, PathBuf};
@@ -55,7 +56,7 @@ pub enum Error {
         source: Box<LegError>,
     },
     /// A column of a run commands nothing that the model has.
-    #[error("{}, line 1, column '{channel}': {reason}", file.display())]
+    #[error("{}{}, column '{channel}': {reason}", file.display(), if Format::has_lines(file) { ", line 1" } else { "" })]
     RefusedInput {
         /// The run's file.
         file: PathBuf,

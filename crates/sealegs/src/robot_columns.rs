@@ -79,12 +79,12 @@ fn refused(robot: &Robot, signal: &Signal) -> Option<String> {
     let names = || robot.moving_joints().map(|j| j.name.as_str());
     let Some(of) = robot.joints.iter().find(|j| j.name == joint) else {
         // What commands no joint is said by the model.
-        let hint =
-            nearest(joint, names()).map(|n| format!("; did you mean '{n}.{what}'?")).unwrap_or_default();
+        let hint = nearest(joint, names());
+        let hint = hint.map_or_else(|| "its".to_owned(), |n| format!("did you mean '{n}.{what}'? Its"));
         let all: Vec<&str> = names().collect();
         return MEASURED
             .contains(&what)
-            .then(|| format!("is of no joint of {}{hint}; its joints are {}", robot.name, all.join(", ")));
+            .then(|| format!("is of no joint of {}; {hint} joints are {}", robot.name, all.join(", ")));
     };
     let most = signal.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let (lower, upper) = (of.limits.lower, of.limits.upper);

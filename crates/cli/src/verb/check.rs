@@ -16,6 +16,9 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// What ends a channel's name that is at no limit where it stays at its extreme: what changes slowly, and a goal that pauses.
+const SLOW_OR_GOALS: [&str; 3] = ["temperature_c", "supply_v", "position_rad"];
+
 /// Check a campaign: signs, units and columns, clocks, gaps, saturation, noise, excitation, and what it can identify
 #[derive(Args)]
 pub struct CheckArguments {
@@ -166,7 +169,10 @@ fn text(campaign: &Campaign, rotary: bool, found: &Check, wrong: &[Finding]) -> 
             );
         }
     }
-    let saturated: Vec<_> = found.columns.iter().filter(|c| c.saturated_share > 0.01).collect();
+    // A goal that pauses at its extreme, or what changes slowly, is at no limit.
+    let has_limit = |channel: &str| !SLOW_OR_GOALS.iter().any(|of| channel.ends_with(of));
+    let saturated: Vec<_> =
+        found.columns.iter().filter(|c| c.saturated_share > 0.01 && has_limit(&c.channel)).collect();
     if !saturated.is_empty() {
         let _ = writeln!(out, "\nAt a limit, perhaps (stretches of equal samples on the extreme value)");
         for c in saturated {

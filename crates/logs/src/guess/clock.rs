@@ -1,9 +1,9 @@
 //! Whether a column is time, and in which unit.
 
-use super::name::{last_part, words};
+use super::name::{last_part, without_unit, words};
 use crate::table::stated_unit;
 
-const TIME: [&str; 19] = [
+const TIME: [&str; 22] = [
     "t",
     // LCM's, in microseconds.
     "utime",
@@ -24,12 +24,20 @@ const TIME: [&str; 19] = [
     "tick",
     "zeit",
     "uptime",
+    "epoch",
+    "unix",
+    "utc",
 ];
 
 /// Whether a column's name says that it is time.
 #[must_use]
 pub fn is_time(name: &str) -> bool {
-    let words = words(last_part(name));
+    let (plain, unit) = without_unit(name);
+    if unit.is_some() {
+        // `T [°C]` is a temperature.
+        return false;
+    }
+    let words = words(last_part(plain));
     // LabVIEW's only one that goes on.
     words.iter().any(|w| TIME.contains(&w.as_str())) || name == "X_Value"
 }

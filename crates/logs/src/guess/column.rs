@@ -60,7 +60,7 @@ pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &Column
     }
     let (supply, derived) = (find(&SUPPLY), find(&DERIVED));
     let of_spring = find(&["spring"]).is_some();
-    let of_motor = find(&["motor", "rotor"]).is_some();
+    let of_motor = name::of_motor(plain);
     let long = unit.is_some_and(|(_, of)| matches!(of, Dimension::Length | Dimension::LinearSpeed));
     let target = match (quantity, commanded.is_some()) {
         (Quantity::Enable, _) => "enable",

@@ -172,6 +172,9 @@ fn are_degrees(columns: &[ColumnSurvey]) -> bool {
 }
 
 /// What a column of a dataset of LeRobot is: a measured position or its goal.
+///
+/// LeRobot gives positions in per cent of each joint's calibrated range, -100 to 100 and a gripper's from 0 on, unless the recording
+/// was told to take degrees: the numbers do not say which.
 fn of_dataset(index: usize, name: &str, degrees: bool) -> Option<First> {
     let (target, what) = match list_of(name)? {
         lerobot::ACTION => ("position_rad", "the goal"),
@@ -179,7 +182,7 @@ fn of_dataset(index: usize, name: &str, degrees: bool) -> Option<First> {
     };
     let mut reason = format!("LeRobot's name for {what}");
     if degrees {
-        reason.push_str("; in degrees, it seems");
+        reason.push_str("; TODO: in degrees (use_degrees), or in per cent of its calibrated range: then unit -> scale = rad per per cent");
     }
     let settings = degrees.then(|| "unit = \"deg\"".to_owned());
     Some(First { column: index, target, settings, reason, rank: 1 })
@@ -328,6 +331,27 @@ mod tests {
         let servo = ["t", "goal_position", "position", "load", "volt", "theta_dot", "acc_rad_s2"];
         assert_eq!(of(&servo), ["time_s", "position_rad", "joint_angle_rad", "supply_v", "speed_rad_s"]);
         assert_eq!(of(&["t", "pos_mm", "motor_force_N"]), ["time_s", "position_m", "motor_force_n"]);
+    }
+
+    #[test]
+    fn a_motors_encoder_is_none_of_the_joint_and_a_temperature_no_time() {
+        let wave = |r: usize| (r as f64).sin();
+        let of =
+            |names: &[&str]| roles_of(names, wave).into_iter().map(|(_, target)| target).collect::<Vec<_>>();
+        let two = ["time_s", "motor_angle_rad", "joint_angle_rad"];
+        for names in [
+            ["epoch_ms", "samples.motor.pos_deg", "samples.joint.q"],
+            ["unix", "mot_deg", "joint_rad"],
+            ["utc_ms", "theta_m", "theta_l"],
+            ["t", "mot_enc", "joint_angle"],
+        ] {
+            assert_eq!(of(&names), two, "{names:?}");
+        }
+        let expected = ["time_s", "joint_angle_rad", "temperature_c"];
+        for name in ["T_motor_C", "T_winding_C", "T [°C]"] {
+            assert_eq!(of(&["t", "angle", name]), expected, "{name}");
+        }
+        assert_eq!(of(&["t", "pos_m", "force_N"]), ["time_s", "position_m", "force_1_n"]);
     }
 
     #[test]

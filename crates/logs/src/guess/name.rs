@@ -85,6 +85,18 @@ pub(super) fn of_row(holds: &str) -> Option<(&'static str, Dimension)> {
     known(stated_unit(holds)?)
 }
 
+/// Words of a position that is an angle.
+const ANGLES: [&str; 6] = ["theta", "q", "angle", "angles", "winkel", "phi"];
+
+/// Whether a name is a motor's: by a word, by the part of a path that it stands in (`motor.pos_deg`), or by an `m` behind an angle.
+pub(super) fn of_motor(name: &str) -> bool {
+    const MOTOR: [&str; 4] = ["motor", "rotor", "mot", "mtr"];
+    let words = words(last_part(name));
+    let parts = name.split('.').rev().skip(1).any(|part| MOTOR.contains(&part.to_lowercase().as_str()));
+    let angle_m = words.windows(2).any(|w| ANGLES.contains(&w[0].as_str()) && w[1] == "m");
+    parts || angle_m || words.iter().any(|w| MOTOR.contains(&w.as_str()))
+}
+
 /// A name without the unit at its end, and that.
 pub(super) fn without_unit(name: &str) -> (&str, Option<(&'static str, Dimension)>) {
     let name = name.trim();
@@ -105,8 +117,13 @@ pub(super) fn without_unit(name: &str) -> (&str, Option<(&'static str, Dimension
     let Some((at, unit)) = longest else { return (name, None) };
     let rest = &name[..at];
     // A letter is a unit only where the words before it say the same: phase a, motor m.
-    let says_so = || quantity_of(&words(last_part(rest))).map(|(q, _)| q) == unit.1.quantity();
-    if name.len() - at > 2 || says_so() { (rest, Some(unit)) } else { (name, None) }
+    let before = words(last_part(rest));
+    let says_so = || quantity_of(&before).map(|(q, _)| q) == unit.1.quantity();
+    // `T_motor_C`, and `theta_m` of a motor.
+    let is_temperature = unit.1 == Dimension::Temperature && before.iter().any(|w| w == "t");
+    let is_motors = unit.1 == Dimension::Length && before.iter().any(|w| ANGLES.contains(&w.as_str()));
+    let is_unit = name.len() - at > 2 || (says_so() && !is_motors) || is_temperature;
+    if is_unit { (rest, Some(unit)) } else { (name, None) }
 }
 
 /// The unit of an estimate or a command of ODrive, which counts turns: no other drive calls them so.
@@ -171,10 +188,10 @@ pub(super) fn quantity_of(words: &[String]) -> Option<(Quantity, &str)> {
 }
 
 /// Words before a quantity that name no joint: a part of one drive, or what kind of number it is.
-const NO_JOINT: [&str; 27] = [
-    "motor", "joint", "spring", "load", "output", "input", "rotor", "link", "screw", "meas", "measured",
-    "actual", "act", "present", "raw", "filt", "real", "sensor", "encoder", "abs", "inc", "dot", "d", "q",
-    "id", "iq", "phase",
+const NO_JOINT: [&str; 30] = [
+    "m", "mot", "mtr", "motor", "joint", "spring", "load", "output", "input", "rotor", "link", "screw",
+    "meas", "measured", "actual", "act", "present", "raw", "filt", "real", "sensor", "encoder", "abs", "inc",
+    "dot", "d", "q", "id", "iq", "phase",
 ];
 
 fn is_quantity(word: &str) -> bool {

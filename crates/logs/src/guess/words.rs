@@ -51,6 +51,7 @@ pub(super) const WORDS: [(Quantity, &[&str]); 8] = [
             "qm",
             "qpos",
             "winkel",
+            "phi",
             "enc",
             "encoder",
             "deflection",

@@ -9,7 +9,7 @@ mod resolve;
 
 use crate::columns::ColumnMap;
 use crate::table::{Column, Log, Table};
-use crate::{LogError, Places};
+use crate::{LogError, Places, lerobot};
 pub(crate) use clock::counter;
 pub use clock::time_fault;
 use clock::{clock, gap, resampled};
@@ -231,8 +231,9 @@ pub fn join(mut files: Vec<File>, request: &Request) -> Result<Joined, JoinError
             None => others.push((column.name.clone(), std::mem::take(column).into_absolute())),
         }
     }
-    if !others.is_empty() {
-        let names: Vec<&str> = others.iter().map(|(n, _)| n.as_str()).collect();
+    let told = others.iter().map(|(n, _)| n.as_str()).filter(|n| !lerobot::BOOKKEEPING.contains(n));
+    let names: Vec<&str> = told.collect();
+    if !names.is_empty() {
         notes.push(format!(
             "{}: no channel is made of {}; kept, and compared with nothing",
             label,

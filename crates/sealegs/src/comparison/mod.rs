@@ -189,6 +189,11 @@ impl<'a> Compared<'a> {
         self.parts.iter().find(|p| p.role == role)
     }
 
+    /// Whether the model leaves no more than the noise of the last role's runs.
+    pub(crate) fn is_at_floor(&self) -> bool {
+        self.parts.last().is_some_and(|part| part.shown().rms <= 1.1 * self.floor.max(1.0))
+    }
+
     /// The comparison in one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
@@ -199,7 +204,7 @@ impl<'a> Compared<'a> {
         let runs = if part.role == Role::Holdout { "held-out" } else { "fit" };
         let fitted = self.fit.as_ref().map_or_else(Vec::new, parameters);
         let first = bounds::sentence(&fitted).map_or_else(String::new, |first| format!("{first} "));
-        let said = if error <= 1.1 * self.floor.max(1.0) {
+        let said = if self.is_at_floor() {
             format!("The model is at the noise floor {what}: {figure} noise units on the {runs} runs.")
         } else {
             format!(

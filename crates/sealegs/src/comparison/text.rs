@@ -147,7 +147,8 @@ pub fn of(compared: &Compared, summary: &Summary, took: Duration) -> String {
         );
     }
     let mut first = true;
-    for r in &compared.responses {
+    // Of a model at the noise floor a line departs by what is noise, however coherent.
+    for r in compared.responses.iter().filter(|_| !compared.is_at_floor()) {
         let Some((hz, db)) = worst_of_response(r).filter(|w| w.1.abs() > 0.2) else { continue };
         if first {
             let _ = writeln!(out, "\nIn frequency (H1, coherence above 0.8)");

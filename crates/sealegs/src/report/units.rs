@@ -72,8 +72,32 @@ pub(crate) fn symbol(parameter: &str) -> String {
     let name = parameter.rsplit_once('.').map_or(parameter, |(_, name)| name);
     // Whole before their own ends: `stiffness_n_m` is a stiffness, not a `stiffness n`.
     let known = [
-        "_n_s2_m2", "_n_s_m", "_n_per_m", "_nm_rad", "_nm_s", "_n_m3", "_n_m", "_rad_s", "_m_s", "_s_m",
-        "_per_k", "_nm", "_kg", "_hz", "_ohm", "_rad", "_n", "_m", "_s", "_a", "_v", "_j",
+        "_nm_s2_rad2",
+        "_nm_s_rad",
+        "_nm_rad3",
+        "_kg_m2",
+        "_n_s2_m2",
+        "_n_s_m",
+        "_n_per_m",
+        "_nm_rad",
+        "_nm_s",
+        "_n_m3",
+        "_n_m",
+        "_rad_s",
+        "_m_s",
+        "_s_m",
+        "_per_k",
+        "_nm",
+        "_kg",
+        "_hz",
+        "_ohm",
+        "_rad",
+        "_n",
+        "_m",
+        "_s",
+        "_a",
+        "_v",
+        "_j",
     ];
     let suffix = known.iter().find(|s| name.len() > s.len() && name.ends_with(**s));
     let unit = suffix.filter(|_| Unit::of_channel(name).is_ok() || !name.ends_with("_a"));
@@ -119,6 +143,8 @@ mod tests {
         assert_eq!(symbol("stribeck-friction.speed_m_s"), "speed");
         assert_eq!(symbol("spring-hysteresis.stiffness_n_m"), "stiffness");
         assert_eq!(symbol("quadratic-drag.coefficient_n_s2_m2"), "coefficient");
+        assert_eq!(symbol("hardening-spring.cubic_nm_rad3"), "cubic");
+        assert_eq!(symbol("quadratic-drag.coefficient_nm_s2_rad2"), "coefficient");
         assert_eq!(symbol("torque-ripple.cycles_per_rev"), "cycles per rev");
     }
 }

@@ -431,11 +431,20 @@ impl Campaign {
                 run.record.inputs.iter().map(|s| s.channel.as_str()).filter(|c| wanted.contains(c)).collect();
             if !wanted.is_empty() && found.len() != 1 {
                 let problem = match found.first() {
-                    None => format!(
-                        "no input column that {} takes; it needs {}",
-                        model.name(),
-                        wanted.join(" or ")
-                    ),
+                    None => {
+                        let inputs: Vec<&str> =
+                            run.record.inputs.iter().map(|s| s.channel.as_str()).collect();
+                        let found = if inputs.is_empty() {
+                            String::new()
+                        } else {
+                            format!(" (found: {})", inputs.join(", "))
+                        };
+                        format!(
+                            "no input column that {} takes{found}; it needs {}",
+                            model.name(),
+                            wanted.join(" or ")
+                        )
+                    }
                     Some(_) => format!("two input columns at once: {}", found.join(", ")),
                 };
                 return Err(Error::bad(&run.path, table::header_of(&run.path), None, problem));

@@ -95,7 +95,8 @@ pub const RULES: [Rule; 15] = [
     },
     Rule {
         problem: Problem::Wraps,
-        measure: "steps of a turn, to a twentieth of it, between rows where the angle moves by less than a fifth of one",
+        measure: "steps of a turn, to a twentieth of it, between rows where the angle moves by less than a fifth of one; or of a position's \
+                  whole range against its motion",
         remark: 1.0,
         stop: Some(1.0),
         origin: "no machine turns once between two rows and stands still before and after: its acceleration would be that of a \

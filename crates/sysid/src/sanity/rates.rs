@@ -6,6 +6,7 @@ use super::units::{probable, short};
 use super::{Finding, Problem, Severity, finding};
 use crate::campaign::{Clock, Run};
 use crate::{Campaign, Role};
+use sealegs_model::Unit;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
@@ -112,16 +113,31 @@ fn increments(run: &Run, quantity: &str, rate: &str) -> Option<Vec<(f64, f64)>> 
     Some(ends.windows(2).filter_map(of).collect())
 }
 
-/// Angles that jump by a turn from one row to the next.
+/// Angles that jump by a turn from one row to the next, and positions whose counter begins again.
 fn wraps(campaign: &Campaign) -> Vec<Finding> {
     let of = |channel: &str| {
-        let jumps: Vec<(&Run, usize)> = campaign
-            .runs
-            .iter()
-            .filter_map(|run| Some((run, run.record.output(channel)?)))
-            .flat_map(|(run, angle)| jumps(angle).into_iter().map(move |row| (run, row)))
-            .collect();
+        let is_angle = channel.ends_with("angle_rad");
+        let with = |jumps: fn(&[f64]) -> Vec<usize>| -> Vec<(&Run, usize)> {
+            let columns = campaign.runs.iter().filter_map(|run| Some((run, run.record.output(channel)?)));
+            columns.flat_map(|(run, values)| jumps(values).into_iter().map(move |row| (run, row))).collect()
+        };
+        let of_turns = if is_angle { with(jumps) } else { Vec::new() };
+        let by_turns = !of_turns.is_empty();
+        let jumps = if by_turns { of_turns } else { with(overflows) };
         let (run, row) = jumps.first()?;
+        let values = run.record.output(channel)?;
+        let by = match by_turns {
+            true => "a turn".to_owned(),
+            false => {
+                format!("{} {}", short((values[*row] - values[row - 1]).abs()), Unit::symbol_of(channel))
+            }
+        };
+        let cure = match by_turns {
+            true => "its encoder begins again after a turn: map the column with wrap = true",
+            false => {
+                "its counter begins again: map the column with wrap = its counts (65536 of 16 bits), in the file's own unit"
+            }
+        };
         let role = if run.role == Role::Fit { "fit" } else { "held-out" };
         finding(
             Problem::Wraps,
@@ -129,15 +145,34 @@ fn wraps(campaign: &Campaign) -> Vec<Finding> {
             Severity::Stops,
             channel,
             format!(
-                "`{channel}` jumps by a turn from one row to the next in {} places, first at {} s of {} ({role})",
+                "`{channel}` jumps by {by} from one row to the next in {} places, first at {} s of {} ({role})",
                 jumps.len(),
                 short(run.record.time_s[*row]),
                 run.record.name
             ),
-            "its encoder begins again after a turn: map the column with wrap = true".to_owned(),
+            cure.to_owned(),
         )
     };
-    channels(campaign).into_iter().filter(|channel| channel.ends_with("angle_rad")).filter_map(of).collect()
+    let counted = |channel: &&str| channel.ends_with("angle_rad") || channel.ends_with("position_m");
+    channels(campaign).into_iter().filter(counted).filter_map(of).collect()
+}
+
+/// Rows before which a position jumps by as much as all of its range, against its motion, which goes on as before: a counter that is
+/// full.
+fn overflows(values: &[f64]) -> Vec<usize> {
+    let step = |i: usize| values[i] - values[i - 1];
+    let size = (1..values.len()).map(|i| step(i).abs()).fold(0.0, f64::max);
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let within = size > (1.0 - NEAR_A_TURN) * (high - low);
+    let is_jump = |&i: &usize| {
+        let goes_on = |j: usize| step(j) * step(i) < 0.0 && step(j).abs() < AT_REST * size;
+        step(i).abs() > (1.0 - NEAR_A_TURN) * size && goes_on(i - 1) && goes_on(i + 1)
+    };
+    match within {
+        true => (2..values.len().saturating_sub(1)).filter(is_jump).collect(),
+        false => Vec::new(),
+    }
 }
 
 /// Rows before which an angle jumps by a turn while it hardly moves on either side.
@@ -198,6 +233,14 @@ mod tests {
         let said = found(wrapped, |_| 2.0);
         let [(Problem::Wraps, true, evidence)] = &said[..] else { panic!("{said:?}") };
         assert!(evidence.contains("in 3 places, first at 2.6"), "{evidence}");
+        // A counter of 16 bits of a motor, and steps of a servo from one end to the other, which rests there.
+        let full = found(|t| (30.0 * (t - 1.0)).rem_euclid(201.0), |_| 30.0);
+        let [(Problem::Wraps, true, evidence)] = &full[..] else { panic!("{full:?}") };
+        assert!(
+            evidence.contains("jumps by 201 rad") || evidence.contains("jumps by 200.85 rad"),
+            "{evidence}"
+        );
+        assert_eq!(found(|t| if t.rem_euclid(2.0) < 1.0 { 0.0 } else { 1.5 }, |_| 0.0), []);
         // A turn a row, which a logger of 200 Hz sees of a motor at 12 000 rpm.
         assert_eq!(found(|t| 200.0 * TAU * t, |_| 200.0 * TAU), []);
     }

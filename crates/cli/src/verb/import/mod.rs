@@ -7,7 +7,7 @@ mod robot;
 use crate::failure::{OrBadInput, bad_input};
 use crate::output::{Destination, NewFolder};
 use clap::Args;
-use parts::{Parts, parts};
+use parts::{Parts, parts, runs_of_parts};
 use rig::rig;
 use robot::KnownRobot;
 use sealegs::diagnosis::text::figures;
@@ -22,7 +22,7 @@ use std::path::{Component, Path, PathBuf};
 /// Look into log files of any kind and write a first campaign file
 #[derive(Args)]
 pub struct Import {
-    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun) or folders of ROS 2 bags; each becomes a run; files with different channels of the same time become one run. With the URDF of the robot among them columns get the names of its joints
+    /// Log files (CSV, Parquet, MATLAB, JSON, NumPy, MCAP, Rerun), folders of ROS 2 bags or of datasets of LeRobot; each file becomes a run; files with different channels of the same time become one run. With the URDF of the robot among them columns get the names of its joints
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write campaign.toml into this folder, which is made if it is not there
@@ -48,8 +48,10 @@ pub fn run(arguments: &Import) -> anyhow::Result<u8> {
     if files.is_empty() {
         return Err(bad_input("no log file: a URDF says what moves, and a log how it moved".to_owned()));
     }
+    let mut left_out = String::new();
+    let files: Vec<PathBuf> = files.into_iter().flat_map(|file| rows_of(file, &mut left_out)).collect();
     let mut logs: Vec<(&Path, Log, Survey)> = Vec::new();
-    for file in files {
+    for file in &files {
         let log = sealegs::logs::read(file).or_bad_input()?;
         let joints = lerobot::joint_names(file);
         let found = match &robot {
@@ -59,6 +61,7 @@ pub fn run(arguments: &Import) -> anyhow::Result<u8> {
         logs.push((file, log, found));
     }
     let mut out = robot.as_ref().map(|robot| format!("{}\n", robot.described())).unwrap_or_default();
+    out.push_str(&left_out);
     let numbers = |table: &TableSurvey| table.columns.iter().any(|c| c.range.is_some());
     if let Some((file, ..)) = logs.iter().find(|(.., found)| !found.tables.iter().any(numbers)) {
         return Err(bad_input(format!("{}: holds no column of numbers", file.display())));
@@ -84,6 +87,21 @@ pub fn run(arguments: &Import) -> anyhow::Result<u8> {
     }
     write!(std::io::stdout().lock(), "{out}")?;
     Ok(0)
+}
+
+/// The files with rows that an argument stands for: of a dataset of LeRobot the first ones, else itself.
+fn rows_of(file: &Path, left_out: &mut String) -> Vec<PathBuf> {
+    let Some(mut files) = lerobot::data_files(file) else { return vec![file.to_owned()] };
+    if files.len() > MOST_EPISODES {
+        let _ = writeln!(
+            left_out,
+            "{}: {} files; the first {MOST_EPISODES} are read",
+            file.display(),
+            files.len()
+        );
+        files.truncate(MOST_EPISODES);
+    }
+    files
 }
 
 /// What is in a file, for people.
@@ -240,7 +258,12 @@ fn campaign(
         return Ok(out);
     }
     let mut runs: Vec<String> = Vec::new();
-    for (file, log, _) in logs {
+    let parted = runs_of_parts(logs).unwrap_or_default();
+    for run in &parted {
+        let files = run.iter().map(|&i| Ok(quoted(&relative(folder, logs[i].0)?)));
+        runs.push(format!("files = [{}]\n", files.collect::<anyhow::Result<Vec<_>>>()?.join(", ")));
+    }
+    for (file, log, _) in logs.iter().filter(|_| parted.is_empty()) {
         let file = quoted(&relative(folder, file)?);
         let episodes = episodes(log);
         if episodes.len() > MOST_EPISODES {
@@ -253,8 +276,13 @@ fn campaign(
             ),
         }
     }
-    // One run of several is kept back, to judge; of many, each fourth.
-    let kept_back = |i: usize| i > 0 && (i + 1 == runs.len() || i % 4 == 3);
+    // Runs that are called so are kept back, to judge; else one of several, and of many each fourth.
+    let called: Vec<bool> = runs.iter().map(|run| is_called_holdout(run)).collect();
+    let by_name = called.contains(&true) && called.contains(&false);
+    let kept_back = |i: usize| match by_name {
+        true => called[i],
+        false => i > 0 && (i + 1 == runs.len() || i % 4 == 3),
+    };
     for (i, run) in runs.iter().enumerate() {
         let role = if kept_back(i) { "holdout" } else { "fit" };
         let _ = write!(out, "\n[[run]]\n{run}role = \"{role}\"\n");
@@ -316,6 +344,13 @@ fn rate_hz(log: &Log) -> Option<(f64, String)> {
             .then(|| (rate, format!("no column looks like time; by '{name}' = {}", short(*value, 6))))
     };
     log.constants.iter().find_map(named)
+}
+
+/// Whether a run's file is called as one that judges, `check.csv` or `run_test_2.csv`.
+fn is_called_holdout(run: &str) -> bool {
+    const CALLED: [&str; 6] = ["check", "test", "holdout", "heldout", "valid", "validation"];
+    let name = run.split(['"', '\'']).nth(1).and_then(|file| file.rsplit('/').next()).unwrap_or_default();
+    name.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|word| CALLED.contains(&word))
 }
 
 /// Episodes of a file that become runs: more cost a search time and tell it little.

@@ -40,6 +40,16 @@ impl<'a> Part<'a> {
         &self.table.columns[self.clock.column].values
     }
 
+    /// The channels that its columns become, without its time.
+    fn channels(&self) -> BTreeSet<&'a str> {
+        let targets = self.seen.columns.iter().filter_map(|c| Some(c.role.as_ref()?.target.as_str()));
+        targets.filter(|target| *target != "time_s").collect()
+    }
+
+    fn has_command(&self) -> bool {
+        self.channels().iter().any(|target| INPUT_COLUMNS.contains(target))
+    }
+
     /// When its first and last row were, s.
     fn span_s(&self) -> Option<(f64, f64)> {
         let (first, _) = self.seen.columns[self.clock.column].range?;
@@ -58,6 +68,32 @@ pub(super) fn parts(logs: &[(&Path, Log, Survey)]) -> Option<Parts> {
     }
 }
 
+/// Which files are parts of one run each, where there are several runs: one of each has the command, and the others belong to that
+/// one which they share their time with. `None` where a file belongs to none of them, or to several.
+pub(super) fn runs_of_parts(logs: &[(&Path, Log, Survey)]) -> Option<Vec<Vec<usize>>> {
+    let all: Vec<Part> = logs.iter().map(|(_, log, found)| Part::of(log, found)).collect::<Option<_>>()?;
+    let spans: Vec<(f64, f64)> = all.iter().map(Part::span_s).collect::<Option<_>>()?;
+    let (commands, others): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(|&i| all[i].has_command());
+    if commands.len() < 2 || others.is_empty() {
+        return None;
+    }
+    let mut runs: Vec<Vec<usize>> = commands.into_iter().map(|i| vec![i]).collect();
+    for i in others {
+        let shares = |run: &Vec<usize>| {
+            let ((a, b), (c, d)) = (spans[run[0]], spans[i]);
+            let shared = b.min(d) - a.max(c);
+            shared >= OVERLAP * (b - a).min(d - c)
+                && run.iter().all(|&j| all[j].channels().is_disjoint(&all[i].channels()))
+        };
+        let mut fitting = runs.iter_mut().filter(|run| shares(run));
+        match (fitting.next(), fitting.next()) {
+            (Some(run), None) => run.push(i),
+            _ => return None,
+        }
+    }
+    Some(runs)
+}
+
 /// Whether files have equal time stamps, and no other column twice.
 fn have_same_stamps(all: &[Part]) -> bool {
     let mut names: BTreeSet<&str> = BTreeSet::new();
@@ -73,9 +109,8 @@ fn are_complements(all: &[Part]) -> bool {
     let mut channels: BTreeSet<&str> = BTreeSet::new();
     let mut commands = 0;
     for part in all {
-        let targets = part.seen.columns.iter().filter_map(|c| Some(c.role.as_ref()?.target.as_str()));
-        let own: Vec<&str> = targets.filter(|target| *target != "time_s").collect();
-        commands += usize::from(own.iter().any(|target| INPUT_COLUMNS.contains(target)));
+        let own = part.channels();
+        commands += usize::from(part.has_command());
         if own.is_empty() || !own.into_iter().all(|target| channels.insert(target)) {
             return false;
         }
