@@ -1,7 +1,7 @@
 //! Comparison, diagnosis and addition, each as JSON, text, report, curves and recording.
 
 use crate::campaign::{Campaign, array};
-use crate::error::raised;
+use crate::error::{bad_input, raised};
 use crate::models::{json_of, source};
 use crate::work::watched;
 use pyo3::types::{PyDict, PyDictMethods, PyList, PyListMethods};
@@ -9,6 +9,7 @@ use pyo3::{Bound, Py, PyAny, PyResult, Python, pyclass, pyfunction, pymethods};
 use sealegs::recorder::recording::{self, Output};
 use sealegs::{ModelSource, Options};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// The options of a verb.
 fn given(options: Options, model: ModelSource, own_effects: Vec<PathBuf>, call: &str) -> Options {
@@ -35,24 +36,33 @@ pub fn compare(
     Ok(Comparison { inner })
 }
 
-/// Which effect the model lacks.
+/// Which effect the model lacks. `how` is whether a log that is not what its header says is diagnosed all the same, and after how many
+/// seconds the search ends.
 #[pyfunction]
-#[pyo3(signature = (campaign, model, model_json, own_effects, force, tell))]
+#[pyo3(signature = (campaign, model, model_json, own_effects, how, tell))]
 pub fn diagnose(
     py: Python<'_>,
     campaign: &Campaign,
     model: Option<String>,
     model_json: Option<&str>,
     own_effects: Vec<PathBuf>,
-    force: bool,
+    how: (bool, Option<f64>),
     tell: Option<Py<PyAny>>,
 ) -> PyResult<Diagnosis> {
     let model = source(&campaign.inner, model, model_json)?;
+    let (force, at_most) = (how.0, how.1.map(seconds).transpose()?);
     let inner = watched(py, tell.as_ref(), |options| {
         let options = given(options, model, own_effects, "sealegs.diagnose").force(force);
+        let options = at_most.into_iter().fold(options, Options::search_at_most);
         sealegs::diagnose(&campaign.inner, options)
     })?;
     Ok(Diagnosis { inner })
+}
+
+/// A time in seconds.
+fn seconds(seconds: f64) -> PyResult<Duration> {
+    Duration::try_from_secs_f64(seconds)
+        .map_err(|_| bad_input(format!("at_most: {seconds} is no time in seconds")))
 }
 
 /// The model with effects added.

@@ -26,6 +26,13 @@ def test_progress_is_told_with_growing_counts(read):
     assert counts == sorted(counts) and counts[-1] > 100
 
 
+def test_a_search_that_ends_at_once_leaves_a_verdict_that_says_so(read):
+    verdict = sealegs.diagnose(read, at_most=0, progress=False)
+    assert verdict.effects == [] and "ended before it was done" in verdict.sentence
+    with pytest.raises(sealegs.InputError, match="at_most"):
+        sealegs.diagnose(read, at_most=-1.0, progress=False)
+
+
 def test_other_threads_run_meanwhile(read):
     done, ticks = threading.Event(), []
 

@@ -52,7 +52,7 @@ fn a_slow_sensor_is_found_behind_the_damping_that_takes_its_place() {
     write(folder.path(), &[("fit", 0.5), ("fit", 3.0), ("holdout", 1.0), ("holdout", 2.0)]);
     let mut campaign = Campaign::read(folder.path()).unwrap();
     let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
-    let Diagnosis { verdict, found, .. } = diagnose::diagnose(&campaign, &model, &|_| ()).unwrap();
+    let Diagnosis { verdict, found, .. } = diagnose::diagnose(&campaign, &model, &|_, _| ()).unwrap();
     let pair = ["presliding-friction", "sensor-lag"];
     let tried: Vec<String> =
         found.tried.iter().map(|t| format!("{}: {:.3}", t.effects.join(" + "), t.fit.error())).collect();

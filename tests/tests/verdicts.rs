@@ -60,7 +60,7 @@ fn diagnosis(hidden: (&str, &[f64]), encoder: bool, runs: &[(&str, Vec<f64>)]) -
     write(folder.path(), hidden, encoder, runs);
     let mut campaign = Campaign::read(folder.path()).unwrap();
     let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
-    diagnose::diagnose(&campaign, &model, &|_| ()).unwrap()
+    diagnose::diagnose(&campaign, &model, &|_, _| ()).unwrap()
 }
 
 /// What is named and what is called indistinguishable from it.
@@ -183,7 +183,7 @@ fn a_curve_that_takes_what_no_effect_takes_ends_the_search() {
     }
     let mut campaign = Campaign::read(folder.path()).unwrap();
     let model = bench_model::of_campaign(&mut campaign, None, Vec::new()).unwrap();
-    let Diagnosis { verdict, found, .. } = diagnose::diagnose(&campaign, &model, &|_| ()).unwrap();
+    let Diagnosis { verdict, found, .. } = diagnose::diagnose(&campaign, &model, &|_, _| ()).unwrap();
     assert_eq!(verdict.kind, VerdictKind::Unexplained);
     let law = verdict.law.expect("a curve");
     let curve = &found.laws[law.which];

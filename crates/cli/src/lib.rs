@@ -4,6 +4,7 @@
 //! Exit status: 0 done, 2 bad input, 3 a limit stated on the command line was exceeded, 1 anything else.
 
 pub mod failure;
+mod interrupt;
 mod jobs;
 mod kind;
 pub mod output;
@@ -51,7 +52,7 @@ pub fn run() -> std::process::ExitCode {
 #[must_use]
 pub fn run_with<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
-    output::remove_unfinished_on_interrupt();
+    interrupt::listen();
     let words: Vec<_> = arguments.iter().map(|a| a.to_string_lossy()).collect();
     // Only the first command line of a process counts; there is no second one.
     let _ = COMMAND.set(words.join(" "));

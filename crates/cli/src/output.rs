@@ -10,17 +10,13 @@ use std::sync::Mutex;
 /// Files and folders that are being written; an interrupt removes them.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Makes Ctrl-C remove the unfinished files before the program ends with status 130.
-pub fn remove_unfinished_on_interrupt() {
-    // Without the handler an interrupt still breaks no finished file, it only leaves a `.part` behind.
-    let _ = ctrlc::set_handler(|| {
-        // Held until the end, so that no new one is begun in between.
-        let files = UNFINISHED.lock();
-        for path in files.iter().flat_map(|files| files.iter()) {
-            remove(path);
-        }
-        std::process::exit(130);
-    });
+/// Removes the unfinished files and ends the program: no new one is begun in between.
+pub fn with_unfinished_removed(end: impl FnOnce()) {
+    let files = UNFINISHED.lock();
+    for path in files.iter().flat_map(|files| files.iter()) {
+        remove(path);
+    }
+    end();
 }
 
 /// A place for a result, tried out before long work begins: a file, or standard output for `-`.

@@ -154,6 +154,21 @@ fn reference_nothing_is_missing_where_nothing_is_hidden() {
 }
 
 #[test]
+fn a_search_that_ends_at_once_leaves_a_verdict_on_the_base_model_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = campaign(folder.path(), 6.0);
+    let done = sealegs(2, &["diagnose", campaign.to_str().unwrap(), "--at-most", "0", "--json", "-"]);
+    assert_eq!(done.status.code(), Some(0));
+    let result: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!((&result["verdict"], &result["effects"]), (&"unexplained".into(), &serde_json::json!([])));
+    assert_eq!(result["work"]["ended_early"], true);
+    assert!(result["sentence"].as_str().unwrap().contains("The search was ended before it was done"));
+    let wrong = sealegs(2, &["diagnose", campaign.to_str().unwrap(), "--at-most", "-1"]);
+    let said = String::from_utf8_lossy(&wrong.stderr);
+    assert!(wrong.status.code() == Some(2) && said.contains("'-1' is no time in seconds"), "{said}");
+}
+
+#[test]
 fn bad_input_is_refused_with_status_2_and_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let campaign = campaign(folder.path(), 0.0);

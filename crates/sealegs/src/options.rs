@@ -6,7 +6,9 @@ use sealegs_sysid::Campaign;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 /// Where the model of a campaign comes from.
 #[derive(Debug, Clone, Default)]
@@ -104,6 +106,7 @@ pub struct Options {
     pub(crate) command: String,
     pub(crate) progress: Option<Arc<Tell>>,
     pub(crate) stop: Stop,
+    pub(crate) search_at_most: Option<Duration>,
 }
 
 impl Options {
@@ -133,6 +136,13 @@ impl Options {
     /// Only [`diagnose`](crate::diagnose()) asks: it begins although the log is not what its header says.
     pub fn force(mut self, force: bool) -> Self {
         self.force = force;
+        self
+    }
+
+    /// Only [`diagnose`](crate::diagnose()) asks: its search ends after this time, counted from its begin, and the best set that was
+    /// found until then is judged; the verdict says so. How much is found depends on the machine then.
+    pub fn search_at_most(mut self, time: Duration) -> Self {
+        self.search_at_most = Some(time);
         self
     }
 
@@ -186,6 +196,7 @@ impl fmt::Debug for Options {
             .field("force", &self.force)
             .field("command", &self.command)
             .field("stop", &self.stop)
+            .field("search_at_most", &self.search_at_most)
             .finish_non_exhaustive()
     }
 }
@@ -223,6 +234,13 @@ pub struct Stop(Arc<State>);
 struct State {
     stopped: AtomicBool,
     simulations: AtomicU64,
+    /// Whether a diagnosis searches.
+    searches: AtomicBool,
+    search_ended: AtomicBool,
+    /// Whether a search was refused a simulation.
+    cut: AtomicBool,
+    /// When a search ends at the latest.
+    until: OnceLock<Instant>,
 }
 
 impl Stop {
@@ -241,6 +259,42 @@ impl Stop {
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.0.stopped.load(Ordering::Relaxed)
+    }
+
+    /// Ends a diagnosis's search and no more: the best set that was found so far is judged, and the verdict says so. Before the
+    /// search has begun, the base model alone is judged.
+    pub fn end_search(&self) {
+        self.0.search_ended.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether a search was ended before it was done.
+    pub(crate) fn has_cut(&self) -> bool {
+        self.0.cut.load(Ordering::Relaxed)
+    }
+
+    /// A search ends at this time at the latest.
+    pub(crate) fn end_search_at(&self, time: Instant) {
+        // The first of several diagnoses with one handle sets it.
+        let _ = self.0.until.set(time);
+    }
+
+    /// Says whether a diagnosis searches now.
+    pub(crate) fn searches(&self, now: bool) {
+        self.0.searches.store(now, Ordering::Relaxed);
+    }
+
+    /// Why no simulation is to be begun any more, if none is.
+    pub(crate) fn refuses(&self) -> Option<&'static str> {
+        if self.is_stopped() {
+            return Some("stopped");
+        }
+        let is_over = || self.0.until.get().is_some_and(|until| Instant::now() >= *until);
+        let ended = self.0.searches.load(Ordering::Relaxed)
+            && (self.0.search_ended.load(Ordering::Relaxed) || is_over());
+        ended.then(|| {
+            self.0.cut.store(true, Ordering::Relaxed);
+            "the search was ended"
+        })
     }
 
     /// Simulations begun so far.

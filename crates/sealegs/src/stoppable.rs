@@ -3,7 +3,7 @@
 use crate::{Error, Options, Result, Stop};
 use sealegs_model::{Model, ModelError, Parameter, Prediction, Record};
 
-/// The model of work that [`Stop`] ends: then no simulation is begun, and every prediction is an error.
+/// The model of work, or of a search, that [`Stop`] ends: then no simulation is begun, and every prediction is an error.
 #[derive(Debug)]
 pub(crate) struct Stoppable {
     inner: Box<dyn Model>,
@@ -21,8 +21,8 @@ impl Stoppable {
 
     /// Counts a simulation, unless none is to be begun any more.
     fn begin(&self) -> std::result::Result<(), ModelError> {
-        if self.stop.is_stopped() {
-            return Err(ModelError::Setup { reason: "stopped".to_owned() });
+        if let Some(reason) = self.stop.refuses() {
+            return Err(ModelError::Setup { reason: reason.to_owned() });
         }
         self.stop.count();
         Ok(())

@@ -103,3 +103,33 @@ fn work_ends_when_it_is_told_to() {
     assert!(late < Duration::from_secs(10), "{late:?} after it was told");
     assert!(!Error::Stopped.is_bad_input());
 }
+
+#[test]
+fn a_search_that_is_ended_is_judged_by_what_it_found() {
+    let told = |end: Option<&'static str>| {
+        let stop = Stop::new();
+        let handle = stop.clone();
+        let ends = move |what: &str| {
+            if end.is_some_and(|end| what.starts_with(end)) {
+                handle.end_search();
+            }
+        };
+        diagnose(&bench(), Options::new().stop(&stop).on_progress(ends)).unwrap()
+    };
+    let whole = told(None);
+    assert!(!whole.outcome().work.ended_early && !whole.sentence().contains("ended"));
+    // Once a set is the best so far, that one is judged, with its values at the end of their fit.
+    let found = told(Some(sealegs::diagnosis::progress::SO_FAR));
+    let o = found.outcome();
+    assert!(o.work.ended_early && o.work.simulations < whole.outcome().work.simulations);
+    assert_eq!(o.effects, whole.outcome().effects);
+    assert!(found.sentence().contains("The search was ended before it was done"), "{}", found.sentence());
+    assert!(o.confidence.reasons[0].contains("ended before it was done"));
+    assert_ne!(o.confidence.level, sealegs::diagnosis::confidence::Level::Sure);
+    let (cut, all) = (o.after.as_ref().unwrap(), whole.outcome().after.as_ref().unwrap());
+    assert!((cut.holdout_error / all.holdout_error - 1.0).abs() < 0.01);
+    // Before any is, the base model alone is.
+    let base = told(Some("refitting"));
+    let o = base.outcome();
+    assert!(o.work.ended_early && o.effects.is_empty() && o.after.is_none(), "{}", base.sentence());
+}

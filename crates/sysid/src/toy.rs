@@ -12,6 +12,10 @@ pub(crate) struct Toy {
     pub parameters: Vec<Parameter>,
     /// Amplitude and period of a wave along the effect's parameter, which gives the error many minima.
     pub wave: (f64, f64),
+    /// Factor of the mass in a coarser copy, the error of its steps; where it is not 1 there is an observer that does as the model does.
+    pub coarser_by: f64,
+    /// The same in this copy.
+    by: f64,
     cubic: bool,
 }
 
@@ -23,7 +27,7 @@ impl Toy {
             Parameter::new("stiffness", "N/m", 400.0, 50.0, 2000.0),
         ];
         parameters[1].scale = sealegs_model::Scale::Logarithmic;
-        Self { parameters, wave: (0.0, 1.0), cubic: false }
+        Self { parameters, wave: (0.0, 1.0), coarser_by: 1.0, by: 1.0, cubic: false }
     }
 }
 
@@ -78,7 +82,7 @@ impl Model for Toy {
         record: &Record,
         channels: &[String],
     ) -> Result<Prediction, ModelError> {
-        let (m, c, k) = (values[0], values[1], values[2]);
+        let (m, c, k) = (self.by * values[0], values[1], values[2]);
         let force = record.input("motor_force_n").ok_or(ModelError::NoInput {
             record: record.name.clone(),
             wanted: vec!["motor_force_n".into()],
@@ -122,6 +126,12 @@ impl Model for Toy {
             Signal { channel: internal::SPRING_DEFLECTION.into(), values: position },
         ];
         Ok(Prediction { outputs, internals, ..Prediction::default() })
+    }
+    fn coarser(&self, _steps_per_sample: f64) -> Box<dyn Model> {
+        Box::new(Self { by: self.coarser_by, ..self.clone() })
+    }
+    fn observing(&self, _records: &[&Record]) -> Option<Box<dyn Model>> {
+        (self.coarser_by != 1.0).then(|| self.clone_box())
     }
     fn clone_box(&self) -> Box<dyn Model> {
         Box::new(self.clone())

@@ -105,7 +105,7 @@ def diagnose(
     model: str | None,
     model_json: str | None,
     own_effects: list[str],
-    force: bool,
+    how: tuple[bool, float | None],
     tell: _Tell,
 ) -> Diagnosis: ...
 def add(

@@ -175,19 +175,23 @@ def diagnose(
     *,
     own_effects: Iterable[str | os.PathLike[str]] = (),
     force: bool = False,
+    at_most: float | None = None,
     progress: _progress.Progress = True,
 ) -> Diagnosis:
     """Finds the physical effect that a model lacks, or says that none is missing or none is known.
 
-    The campaign needs fit and holdout runs. A bench takes seconds to minutes, a leg minutes. Ctrl-C stops it.
+    The campaign needs fit and holdout runs. A bench takes seconds to minutes, a leg minutes. Ctrl-C stops it; ``at_most``
+    ends its search with what was found until then.
 
     :param force: begin although a column is not what its name says (a flipped sign, degrees for radians), which is an
         :class:`InputError` otherwise.
+    :param at_most: seconds after which the search ends and the best set that was found is judged; the verdict says so.
 
     Other arguments are those of :func:`compare`. Raises :class:`InputError` or :class:`SimulationError`.
     """
     with _progress.telling(progress) as tell:
-        return Diagnosis(_core.diagnose(campaign._core, *_models.split(model), _paths(own_effects), force, tell))
+        core = _core.diagnose(campaign._core, *_models.split(model), _paths(own_effects), (force, at_most), tell)
+        return Diagnosis(core)
 
 
 def add(

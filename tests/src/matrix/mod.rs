@@ -161,6 +161,9 @@ pub struct Outcome {
     /// Share of the energy above the floor that a curve beyond the catalogue takes on the holdout runs, where one was found.
     #[serde(default)]
     pub explained: Option<f64>,
+    /// Integration steps of the diagnosis; none in lines made before they were counted.
+    #[serde(default)]
+    pub steps: Option<u64>,
     /// Time of the diagnosis, s.
     pub seconds: Option<f64>,
 }
@@ -256,6 +259,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
         stated: Vec::new(),
         located: None,
         explained: None,
+        steps: None,
         seconds: None,
     };
     let mut hidden = Vec::new();
@@ -274,6 +278,7 @@ pub fn run(case: &Case, duration_s: f64, folder: &Path) -> Result<Outcome, Box<d
     let started = Instant::now();
     let diagnosis = sealegs::diagnose(&Campaign::read(&place)?, Options::new().force(true))?;
     outcome.seconds = Some(started.elapsed().as_secs_f64());
+    outcome.steps = Some(diagnosis.outcome().work.steps);
     let said = Verdict::of(&diagnosis)?;
     let answer = answer_of(&made, case.seed, said.base.holdout_error);
     let after = said.after.as_ref().unwrap_or(&said.base);

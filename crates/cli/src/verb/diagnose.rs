@@ -2,6 +2,7 @@
 
 use super::add::Better;
 use crate::failure::bad_input;
+use crate::interrupt::EndsSearch;
 use crate::jobs::{self, JobArguments};
 use crate::kind;
 use crate::output::Destination;
@@ -13,6 +14,7 @@ use sealegs::{Campaign, ModelSource, Options};
 use serde::Deserialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Find the physical effect that the model lacks, or say that none is missing or none is known
 #[derive(Args)]
@@ -29,6 +31,9 @@ pub struct Diagnose {
     /// Diagnose although the log is not what its header says (see `sealegs check`)
     #[arg(long)]
     force: bool,
+    /// End the search after so many seconds and judge the best set that was found until then
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    at_most: Option<Duration>,
     /// Write the result as JSON (`-` for standard output); of several campaigns a list
     #[arg(long, value_name = "FILE.json", conflicts_with = "jobs")]
     json: Option<PathBuf>,
@@ -50,6 +55,12 @@ pub struct Diagnose {
     better: Option<PathBuf>,
     #[command(flatten)]
     jobs: JobArguments,
+}
+
+/// A time in seconds.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    seconds.ok_or_else(|| format!("'{text}' is no time in seconds"))
 }
 
 /// The verb's name in lists of jobs.
@@ -125,7 +136,10 @@ fn diagnose(arguments: &Diagnose, campaign: &Campaign) -> anyhow::Result<sealegs
         .command(crate::command())
         .on_progress(progress::on(&bar));
     let options = arguments.effect.iter().fold(options, Options::own_effect);
+    let options = arguments.at_most.into_iter().fold(options, Options::search_at_most);
+    let interruptible = EndsSearch::new(options.stop_handle(), &bar);
     let diagnosis = sealegs::diagnose(campaign, options);
+    drop(interruptible);
     bar.finish();
     Ok(diagnosis?)
 }

@@ -315,7 +315,7 @@ fn outcome(campaign: &Campaign, added: &Added, provenance: Provenance) -> Outcom
         splits: None,
         sanity: Vec::new(),
         notes: campaign.notes.clone(),
-        work: Work { simulations: added.work.0, simulated_s: added.work.1 },
+        work: Work { simulations: added.work.0, simulated_s: added.work.1, steps: 0, ended_early: false },
         provenance,
     }
 }

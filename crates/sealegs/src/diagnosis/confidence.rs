@@ -44,6 +44,10 @@ const MOST_OF_IT: f64 = 0.5;
 /// base model: an effect that does a wrong value's work leaves more. An estimate.
 const NEXT_TO_NOTHING: f64 = 0.05;
 
+/// What is said where a search was ended before it was done.
+pub(super) const ENDED_EARLY: &str =
+    "The search was ended before it was done: effects that were not fitted yet may explain more, or as much.";
+
 /// Parameters and sentences that are said at most.
 const MOST: usize = 3;
 
@@ -94,6 +98,11 @@ impl Confidence {
     #[must_use]
     pub fn of(o: &Outcome) -> Self {
         let mut judged = Self::judged(o);
+        if o.work.ended_early {
+            let sure = judged.level == Level::Sure;
+            judged.level = if sure { Level::Reserved } else { judged.level };
+            judged.reasons.insert(0, ENDED_EARLY.to_owned());
+        }
         judged.reasons.splice(0..0, bounds::reason(o.bounded()));
         judged
     }

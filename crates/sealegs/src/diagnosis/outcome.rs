@@ -257,6 +257,11 @@ pub struct Work {
     pub simulations: u64,
     /// Seconds of experiment that they covered.
     pub simulated_s: f64,
+    /// Integration steps that they took; 0 where that was not counted.
+    pub steps: u64,
+    /// Whether the search was ended before it was done.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub ended_early: bool,
 }
 
 /// The parameters of a fit.
@@ -334,7 +339,8 @@ fn channel_errors(
 }
 
 impl Outcome {
-    /// Everything that is said of a diagnosis; the next experiment and what is wrong with the log come from outside.
+    /// Everything that is said of a diagnosis; the next experiment, whether the search was ended early and what is wrong with the log
+    /// come from outside.
     ///
     /// Where something stays that the named effects do not explain, their intervals cover the values of the sets that
     /// predict as well; where a parameter of the base model ended at a bound or far from what is known, they are withheld.
@@ -342,7 +348,7 @@ impl Outcome {
     pub fn new(
         campaign: &Campaign,
         diagnosis: &Diagnosis,
-        next_experiment: String,
+        (next_experiment, ended_early): (String, bool),
         sanity: Vec<Finding>,
         provenance: super::provenance::Provenance,
     ) -> Self {
@@ -415,7 +421,12 @@ impl Outcome {
             remainder: verdict.remainder.clone(),
             sanity,
             notes: campaign.notes.iter().cloned().chain(rugged).collect(),
-            work: Work { simulations: diagnosis.simulations, simulated_s: diagnosis.simulated_s },
+            work: Work {
+                simulations: diagnosis.simulations,
+                simulated_s: diagnosis.simulated_s,
+                steps: diagnosis.steps,
+                ended_early,
+            },
             provenance,
         };
         if matches!(verdict.kind, VerdictKind::PartlyExplained | VerdictKind::Unexplained) {

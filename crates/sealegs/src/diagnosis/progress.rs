@@ -1,12 +1,47 @@
 //! What a diagnosis is trying, in words.
 
+use crate::Options;
 use sealegs_sysid::diagnose::Progress;
+use std::time::Instant;
 
 /// Sets that a line of progress names.
 const NAMED: usize = 3;
 
 /// How a message begins that says what was found so far, and not what is being done.
 pub const SO_FAR: &str = "so far ";
+
+/// Share of a longest search from which on the time that is left is said: before, the speed is not known.
+const KNOWN_FROM: f64 = 0.05;
+
+/// A diagnosis that is under way.
+pub(super) struct Searching<'a> {
+    options: &'a Options,
+    began: Instant,
+}
+
+impl<'a> Searching<'a> {
+    pub fn of(options: &'a Options) -> Self {
+        Self { options, began: Instant::now() }
+    }
+
+    /// Tells what is being done, and while it searches which share of a longest search is spent and how much time is left at most;
+    /// the search can be ended from its begin to its end.
+    pub fn tell(&self, doing: &Progress, spent: f64) {
+        match doing {
+            Progress::Looking => self.options.stop.searches(true),
+            Progress::Searched => return self.options.stop.searches(false),
+            _ => {}
+        }
+        let said = message(doing);
+        let so_far = matches!(doing, Progress::Better { .. });
+        if so_far || !(KNOWN_FROM..1.0).contains(&spent) {
+            return self.options.tell(&said);
+        }
+        let left = self.began.elapsed().as_secs_f64() * (1.0 - spent) / spent;
+        let share = 100.0 * spent;
+        self.options.tell(&format!("{said} ({share:.0} % of the longest search, at most {left:.0} s more)"));
+    }
+}
 
 /// What is being done, in a few words, or the best set so far (after [`SO_FAR`]).
 #[must_use]
@@ -29,6 +64,7 @@ pub fn message(progress: &Progress) -> String {
         Progress::Better { set, base, error } => {
             format!("{SO_FAR}{}: {base:.3} -> {error:.3} noise units on the fit runs", set.join(" + "))
         }
+        Progress::Searched => "the search is over".to_owned(),
         Progress::Curves => "fitting the curve that is missing at a port".to_owned(),
         Progress::Judging => "scoring the held-out runs".to_owned(),
     }

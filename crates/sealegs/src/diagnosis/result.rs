@@ -4,7 +4,7 @@ use super::addition::Added;
 use super::better::Addition;
 use super::drift::Astray;
 use super::outcome::Outcome;
-use super::progress::message;
+use super::progress::Searching;
 use super::provenance::Provenance;
 use super::story::{Sides, Story};
 use super::{page, plan, text};
@@ -38,8 +38,9 @@ pub struct Diagnosis {
 /// at the measured state, and it is diagnosed again; where the refitted model misses by more than the joint moves they are cut
 /// before anything is searched. The first reason of its confidence says so.
 ///
-/// A campaign of a bench takes seconds to minutes, one of a leg minutes; [`Options::on_progress`] tells what is tried and
-/// [`Options::stop`] ends it.
+/// A campaign of a bench takes seconds to minutes, one of a leg minutes; [`Options::on_progress`] tells what is tried,
+/// [`Options::search_at_most`] and [`Stop::end_search`](crate::Stop::end_search) end its search with what was found until then, and
+/// [`Options::stop`] ends all of it.
 ///
 /// ```no_run
 /// use sealegs::{Campaign, Options, diagnose};
@@ -61,6 +62,9 @@ pub struct Diagnosis {
 /// [`Options::force`]), [`Error::Stopped`](crate::Error::Stopped).
 pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diagnosis> {
     let (started, options) = (Instant::now(), options.into());
+    if let Some(most) = options.search_at_most {
+        options.stop.end_search_at(started + most);
+    }
     let whole = Ready::of(campaign.clone(), &options)?;
     let diverges = whole.diverges(&options)?;
     let in_time = match &diverges {
@@ -71,7 +75,8 @@ pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diag
         Some(diagnosis) => diagnosis,
         None => whole.diagnosed(&options)?,
     };
-    if let Some(astray) = diagnosis.hidden_by_drift().filter(|_| diverges.is_none()) {
+    let again = diverges.is_none() && !options.stop.has_cut();
+    if let Some(astray) = diagnosis.hidden_by_drift().filter(|_| again) {
         diagnosis = in_pieces(campaign, &astray, &options)?.unwrap_or(diagnosis);
     }
     Ok(Diagnosis { took: started.elapsed(), ..diagnosis })
@@ -121,7 +126,8 @@ impl Ready {
     fn diagnosed(self, options: &Options) -> Result<Diagnosis> {
         let Self { mut campaign, model, per_unit, wrong } = self;
         let stoppable = Stoppable::new(per_unit.as_ref(), options);
-        let found = diagnose::diagnose(&campaign, &stoppable, &|p| options.tell(&message(&p)));
+        let searching = Searching::of(options);
+        let found = diagnose::diagnose(&campaign, &stoppable, &|doing, spent| searching.tell(&doing, spent));
         let found = unless_stopped(options, found)?;
         options.tell("planning the next experiment");
         let limits = model.limits(&campaign);
@@ -141,7 +147,7 @@ impl Ready {
         if matches!(kind, VerdictKind::Unexplained | VerdictKind::PartlyExplained) {
             campaign.notes.extend(not_tried(model.as_ref()));
         }
-        let outcome = Outcome::new(&campaign, &found, next, wrong, provenance);
+        let outcome = Outcome::new(&campaign, &found, (next, options.stop.has_cut()), wrong, provenance);
         let (label, command) = (options.model.label(&campaign), options.command_of("sealegs::diagnose"));
         let took = Duration::ZERO;
         Ok(Diagnosis { campaign, model: model.into(), found, experiment, outcome, label, command, took })
@@ -150,15 +156,17 @@ impl Ready {
 
 /// What the catalogue does not offer a model, of what is common at joints: whoever reads that no effect explains the runs must
 /// not take it for excluded.
-fn not_tried(model: &dyn Model) -> Option<String> {
+fn not_tried(model: &dyn Model) -> Vec<String> {
     let cards = model.effects(&Excitation::default());
     let offers = |family: &str| cards.iter().any(|c| c.id.rsplit('/').next() == Some(family));
-    (!offers("backlash") && !offers("series-compliance"))
-        .then(|| {
-            "play and compliance between motor and joint were not tried: the bench states no load apart from what the drive \
-             moves itself"
-                .to_owned()
-        })
+    let parted = "play and compliance between motor and joint were not tried: the bench states no load apart from what the drive \
+                  moves itself";
+    let mounted = "a mounting that yields (base-motion) was not tried: only benches of one drive with a series spring have it";
+    let notes = [
+        (!offers("backlash") && !offers("series-compliance")).then_some(parted),
+        (!offers("base-motion")).then_some(mounted),
+    ];
+    notes.into_iter().flatten().map(str::to_owned).collect()
 }
 
 impl Diagnosis {
@@ -294,8 +302,12 @@ mod tests {
             BenchModel::new(ActuatorSpec::preset(preset).expect("a preset"), bench).expect("a model")
         };
         let bare = not_tried(&model("rigid-rotary", Bench::Free { load: 0.0 }));
-        assert!(bare.is_some_and(|note| note.contains("no load")));
-        assert_eq!(not_tried(&model("rigid-rotary", Bench::Free { load: 0.1 })), None);
-        assert_eq!(not_tried(&model("thor-linear", Bench::Locked)), None);
+        assert!(
+            bare.len() == 2 && bare[0].contains("no load") && bare[1].contains("base-motion"),
+            "{bare:?}"
+        );
+        let loaded = not_tried(&model("rigid-rotary", Bench::Free { load: 0.1 }));
+        assert!(loaded.len() == 1 && loaded[0].contains("base-motion"), "{loaded:?}");
+        assert!(not_tried(&model("thor-linear", Bench::Locked)).is_empty());
     }
 }

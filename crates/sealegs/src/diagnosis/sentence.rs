@@ -1,5 +1,6 @@
 //! The verdict in one sentence, and the channel that pictures it.
 
+use super::confidence::ENDED_EARLY;
 use super::headline::set_with_values;
 use super::outcome::{ChannelSaid, Outcome, OutcomeKind, percent};
 use crate::report::units::{error, with_interval};
@@ -63,5 +64,6 @@ pub(super) fn sentence(o: &Outcome) -> String {
              floor {floor:.2}), and no known effect, alone or with others, explains that.{pictured}{law}"
         ),
     };
-    first + &verdict
+    let ended = if o.work.ended_early { format!(" {ENDED_EARLY}") } else { String::new() };
+    first + &verdict + &ended
 }

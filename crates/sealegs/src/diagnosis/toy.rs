@@ -90,7 +90,7 @@ pub(super) fn toy() -> Outcome {
         remainder: Vec::new(),
         sanity: Vec::new(),
         notes: Vec::new(),
-        work: Work { simulations: 1, simulated_s: 1.0 },
+        work: Work { simulations: 1, simulated_s: 1.0, steps: 1000, ended_early: false },
         provenance: Provenance { version: "0", model: "toy".to_owned(), inputs: Vec::new() },
     };
     outcome.confidence = Confidence::of(&outcome);

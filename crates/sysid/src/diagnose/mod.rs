@@ -67,6 +67,8 @@ pub enum Progress {
         /// What the set leaves.
         error: f64,
     },
+    /// The search is over: what follows judges the set that it chose.
+    Searched,
     /// Curves are fitted at the ports where something is missing.
     Curves,
     /// The holdout runs judge.
@@ -125,33 +127,39 @@ pub struct Diagnosis {
     pub simulations: u64,
     /// Seconds of experiment that they covered.
     pub simulated_s: f64,
+    /// Integration steps of the search and all that follows, without the held-out runs.
+    pub steps: u64,
 }
 
+/// Who is told what a diagnosis does, and which share of a longest search ([`policy`]'s `LONG_SEARCH`) is spent.
+pub type Tell<'a> = dyn Fn(Progress, f64) + Sync + 'a;
+
 /// Diagnoses a campaign with a base model.
+///
+/// From [`Progress::Looking`] to [`Progress::Searched`] a model may refuse to be simulated: then the best set so far is judged.
 ///
 /// # Errors
 ///
 /// [`Error::NoRun`] if fit or holdout runs are missing, or what the base model's fit returns.
-pub fn diagnose(
-    campaign: &Campaign,
-    base: &dyn Model,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<Diagnosis, Error> {
+pub fn diagnose(campaign: &Campaign, base: &dyn Model, tell: &Tell) -> Result<Diagnosis, Error> {
     campaign.require(Role::Holdout)?;
     let data = Data::new(campaign, Some(Role::Fit), base)?;
-    progress(Progress::Base);
+    tell(Progress::Base, 0.0);
     let mut models = Models::new(&data, base);
-    let first = models.base()?;
-    progress(Progress::Looking);
+    let mut first = models.base()?;
+    if models.refine_where_steps_show(&first) {
+        first = models.base()?;
+    }
+    tell(Progress::Looking, 0.0);
     let ports = missing::look(&models, &first);
-    let (mut found, curve, mut ports, models) = search(models, first, ports, progress);
+    let (mut found, curve, mut ports, models) = search(models, first, ports, tell);
     let chosen = &found.tried[found.chosen];
     let mut ports_after = if chosen.fit.error() > policy::NEAR_FLOOR * data.floor {
         missing::look(&models, chosen)
     } else {
         Vec::new()
     };
-    progress(Progress::Curves);
+    tell(Progress::Curves, 1.0);
     found.laws = free_form::look(&models, &mut found, curve, (&ports, &ports_after));
     for law in &found.laws {
         let ports = if law.beside == 0 { &mut ports } else { &mut ports_after };
@@ -174,7 +182,7 @@ pub fn diagnose(
     let (fit, rugged) = refine::rugged::widened(&data, &found.tried[found.chosen]);
     (found.tried[found.chosen].fit, found.rugged) = (fit, rugged);
     let seen = models.seen;
-    progress(Progress::Judging);
+    tell(Progress::Judging, 1.0);
     let holdout = Data::new(campaign, Some(Role::Holdout), base)?;
     let verdict = judge::judge(&data, &holdout, &found)?;
     let (a, b) = (data.work(), holdout.work());
@@ -187,6 +195,7 @@ pub fn diagnose(
         seen,
         simulations: a.0 + b.0,
         simulated_s: a.1 + b.1,
+        steps: data.steps(),
     })
 }
 
@@ -210,6 +219,7 @@ pub fn missing_signals(data: &Data, model: &dyn Model, fit: Option<&Fit>) -> Res
     };
     models.seen = data.excitation(&fit.evaluation.predictions);
     let base = Candidate::of_base(data, models.coarse.as_ref(), fit);
+    models.refine_where_steps_show(&base);
     Ok(missing::look(&models, &base))
 }
 
@@ -218,8 +228,8 @@ fn search<'a>(
     models: Models<'a>,
     first: Candidate,
     ports: Vec<Port>,
-    progress: &'a (dyn Fn(Progress) + Sync + 'a),
-) -> (Found, Option<Option<free_form::Fitted>>, Vec<Port>, Models<'a>) {
+    tell: &'a Tell<'a>,
+) -> (Found, Option<free_form::Fitted>, Vec<Port>, Models<'a>) {
     let admitted = models.exact.effects(&models.seen).into_iter().map(|c| c.id).collect();
     let mut search = search::Search {
         models,
@@ -231,7 +241,7 @@ fn search<'a>(
         screened: Vec::new(),
         ports,
         curve: None,
-        progress,
+        tell,
     };
     let best = search.run();
     let base_as_searched = search.tried[0].validation.clone();
@@ -249,6 +259,7 @@ fn search<'a>(
     let chosen = search.without_idle(chosen, &mut tied);
     let chosen = search.simplified(chosen, &mut tied);
     let chosen = search.in_parts(chosen, &mut tied);
+    search.say(Progress::Searched);
     if search.leaves_something(chosen) {
         search.models.last = search.models.last_memory(&search.tried[chosen]);
     }
@@ -261,6 +272,7 @@ fn search<'a>(
         search.tried[0] = base;
     }
     search.finish(&[0, chosen]);
+    let chosen = search.base_or(chosen, &mut tied);
     let open = search.models.open_choices(&others, &search.tried[chosen]);
     let chosen = if search.leaves_something(chosen) { search.simplified(chosen, &mut tied) } else { chosen };
     let chosen = search.without_idle(chosen, &mut tied);
@@ -279,5 +291,6 @@ fn search<'a>(
         rugged: Vec::new(),
         base_as_searched,
     };
-    (found, curve, ports, models)
+    // One that was not found before the search was ended is looked for again.
+    (found, curve.flatten(), ports, models)
 }

@@ -99,9 +99,9 @@ policy! {
     /// Parts of the fit runs that are left out one at a time where a set is fitted again without them: with three the others are
     /// still two thirds of what is known.
     FOLDS = 3.0;
-    /// Integration steps of an actuator after which sets only grow, up to pairs, and no further looks are taken: some 75 s of
-    /// two cores on a bench, where a set that explains the runs is found in a fifth of that.
-    LONG_SEARCH = 2e9;
+    /// Integration steps of an actuator after which sets only grow, up to pairs, and no further looks are taken: half as many again as
+    /// until the latest of 70 right sets was found, three effects at once on a pendulum (0.98e9; half of all were found within 0.1e9).
+    LONG_SEARCH = 1.5e9;
     /// Members of a set that is grown under the observer alone: what leaves something with as many is searched in open loop.
     SEEN_TOGETHER = 3.0;
     /// Error over the floor under the observer up to which a set may explain everything, and is fitted in open loop; or it

@@ -77,7 +77,7 @@ impl Search<'_> {
     pub(crate) fn look_for_curve(&mut self, set: usize) {
         let left = self.tried[set].fit.error() > EXPLAINED * self.models.data.floor;
         if !self.models.dear && left && self.curve.is_none() {
-            (self.progress)(Progress::Curves);
+            self.say(Progress::Curves);
             self.curve = Some(lowest(&self.models, &self.tried[0], &self.ports));
         }
     }
@@ -105,11 +105,11 @@ impl Search<'_> {
 /// The curves that take most of what the chosen set leaves, beside it, and of what the base model leaves, alone; none where
 /// nothing is left, or no curve takes a good part of it. Where one alone leaves far less than the chosen set, nothing stays
 /// chosen: a known effect is named only if it explains what the free-form curve of its port does. `early` is what the
-/// search found alone, if it looked.
+/// search found alone.
 pub(crate) fn look(
     models: &Models,
     found: &mut Found,
-    early: Option<Option<Fitted>>,
+    early: Option<Fitted>,
     (before, after): (&[Port], &[Port]),
 ) -> Vec<FreeForm> {
     let floor = models.data.floor;
@@ -118,7 +118,7 @@ pub(crate) fn look(
     if error(found.chosen) <= EXPLAINED * floor || (found.chosen > 0 && left < LEFT_SHARE) {
         return Vec::new();
     }
-    let alone = early.unwrap_or_else(|| lowest(models, &found.tried[0], before));
+    let alone = early.or_else(|| lowest(models, &found.tried[0], before));
     let beats = alone.as_ref().is_some_and(|law| law.beats(&found.tried[found.chosen], floor));
     let alone = alone.map(|law| law.finished(models, 0, before));
     if found.chosen == 0 || beats {

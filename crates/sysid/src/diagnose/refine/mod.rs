@@ -15,13 +15,14 @@ pub(super) mod starts;
 pub(super) mod windows;
 
 use crate::Error;
-use crate::data::Data;
+use crate::data::{Data, Evaluation};
 use crate::diagnose::candidate::{
     Known,
     compare::{excess, is_seen, mean_square_difference},
 };
 use crate::diagnose::policy::{
-    AT_FLOOR, OBSERVED_STEPS, RACE_STEPS, RACED, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE, TRACE, WEAKER,
+    AT_FLOOR, NEAR_FLOOR, OBSERVED_STEPS, RACE_STEPS, RACED, STEPS, STEPS_DEAR, STEPS_PER_SAMPLE, TRACE,
+    WEAKER,
 };
 use crate::diagnose::{Candidate, values_by_name, with_effects};
 use crate::fit::{self, Difference, Fit, FitOptions};
@@ -80,7 +81,7 @@ impl Seen {
 }
 
 /// A set, its start under the observer, the most steps and what was held; and what came of it.
-pub(crate) type ObservedBefore = ((Vec<String>, Vec<f64>, usize, Vec<String>), Option<Candidate>);
+pub(crate) type ObservedBefore = ((Vec<String>, Vec<f64>, usize, Vec<String>), Candidate);
 
 pub(crate) fn records_of<'a>(data: &Data<'a>) -> Vec<&'a Record> {
     data.runs.iter().map(|r| r.record).collect()
@@ -106,6 +107,24 @@ impl<'a> Models<'a> {
         self.coarse = in_windows(self.data, self.exact).unwrap_or_else(|| self.exact.clone_box());
         self.observed = self.exact.observing(&records_of(self.data));
         self.before = Arc::default();
+    }
+
+    /// Goes on with the model's own steps where the search's, under the observer, change the base model's predictions by more than a
+    /// model that leaves nothing may miss by; whether they do. A slow log of a servo with a fast loop would lack an effect at once.
+    pub fn refine_where_steps_show(&mut self, base: &Candidate) -> bool {
+        let own = self.exact.observing(&records_of(self.data));
+        let (false, Some(searched), Some(own)) = (self.dear, self.observed.as_deref(), own) else {
+            return false;
+        };
+        let at = |model: &dyn Model| self.data.evaluate(model, &values_by_name(model, &base.known())).ok();
+        let shows = |(a, b): (Evaluation, Evaluation)| {
+            mean_square_difference(&a, &b) > (NEAR_FLOOR.powi(2) - 1.0) * self.data.floor.powi(2)
+        };
+        let refines = at(searched).zip(at(own.as_ref())).is_some_and(shows);
+        if refines {
+            self.refine();
+        }
+        refines
     }
 
     /// Mean squared difference of a set's predictions with the search's steps and with the model's own, in squared noise
@@ -213,14 +232,15 @@ impl<'a> Models<'a> {
         let asked = (candidate.effects.clone(), start.clone(), steps, held.to_vec());
         let before = || self.before.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, fitted)) = before().iter().find(|(known, _)| *known == asked) {
-            return fitted.clone();
+            return Some(fitted.clone());
         }
         let usual = under_observer(self.options(model.as_ref(), start, candidate));
         let held = usual.held.iter().chain(held).cloned().collect();
         let options = FitOptions { max_steps: steps, tolerance: ROUGH_TOLERANCE, held, ..usual };
         let fit = fit::fit(self.data, model.as_ref(), &options).ok();
         let fitted = fit.map(|fit| Candidate { model, fit, ..candidate.clone() });
-        before().push((asked, fitted.clone()));
+        // What was refused is asked for again.
+        before().extend(fitted.clone().map(|fitted| (asked, fitted)));
         fitted
     }
 
@@ -373,4 +393,29 @@ pub(crate) fn finishing(options: FitOptions) -> FitOptions {
 /// Derivatives in open loop are others than those under the observer, where a fit takes few steps: it can afford its own.
 fn under_observer(options: FitOptions) -> FitOptions {
     FitOptions { columns: None, difference: Difference::Forward, ..options }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Models;
+    use crate::Role;
+    use crate::data::Data;
+    use crate::toy::{Toy, campaign, run};
+
+    #[test]
+    fn steps_that_leave_an_error_under_the_observer_are_not_searched_with() {
+        let noise = (0.1, 1e-4);
+        let record = run(&[1.0, 4.0, 400.0], 800, 5, noise, (1.0, 0.0), 1.0);
+        let campaign = campaign(vec![(Role::Fit, record)], noise);
+        for (coarser_by, refines) in [(1.0, false), (1.0 + 1e-5, false), (1.2, true)] {
+            let mut toy = Toy::new();
+            toy.coarser_by = coarser_by;
+            let data = Data::new(&campaign, Some(Role::Fit), &toy).expect("a fit run");
+            let mut models = Models::new(&data, &toy);
+            let first = models.base().expect("a fit");
+            assert_eq!(models.refine_where_steps_show(&first), refines, "{coarser_by}");
+            let mass = models.base().expect("a fit").fit.values[0];
+            assert!((mass - 1.0).abs() < 0.01, "{coarser_by}: {mass}");
+        }
+    }
 }

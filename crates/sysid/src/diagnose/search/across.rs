@@ -57,6 +57,15 @@ impl Search<'_> {
         }
     }
 
+    /// The base model where, fitted to the end, it leaves nothing to explain: what was chosen beside its search's fit is not missing.
+    pub(crate) fn base_or(&self, chosen: usize, tied: &mut Vec<usize>) -> usize {
+        if !self.at_floor(0) {
+            return chosen;
+        }
+        tied.clear();
+        0
+    }
+
     /// The chosen set without members that are nothing to speak of. One that may be nothing at all leaves, as no amplitude of
     /// it is known from zero, given what it is in the sets that fit as well: where the set leaves something in any case, else
     /// where the rest is not clearly worse. So does one that takes no more than a trace of the fit runs, once both are fitted to

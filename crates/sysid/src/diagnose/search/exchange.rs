@@ -49,48 +49,60 @@ impl Search<'_> {
         }
     }
 
-    /// Tries rivals in the place of each member of a set. Where it leaves something, a rival may rest in a minimum of its own:
-    /// those that left least beside the other members are fitted from every start. Where a set of several explains everything,
-    /// effects at the member's port, and those that alone leave as little as it does, are fitted as they promised to be beside
-    /// the base model.
+    /// Tries rivals in the place of each member of a set of several: effects at the member's port, and those that alone leave as little
+    /// as it does, as they promised to be beside the base model; where the set explains everything, those that leave no more under the
+    /// observer. Where it leaves something, a rival may rest in a minimum of its own: those that left least beside the other
+    /// members are fitted from every start.
     pub(crate) fn exchanged(&mut self, best: usize) -> usize {
         let effects = self.tried[best].effects.clone();
-        if effects.is_empty() {
-            return best;
-        }
-        let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
-        let base = self.observing(&self.tried[0]).map_or(self.tried[0].fit.cost, |base| base.fit.cost);
-        let mut fitted = self.rivals_anew(best);
-        for leaving in effects.iter().filter(|_| effects.len() > 1) {
-            let rest = all_but(&effects, leaving);
-            let mut plans = self.rivals_of(leaving, &effects, base);
-            if let Some(own) = own {
-                let near = Candidate { effects: rest.clone(), ..self.tried[best].clone() };
-                plans.retain(|p| !self.is_beaten(&self.set_with(&near, &p.added), own));
-                if plans.is_empty() {
-                    continue;
-                }
-                let beside = self.observed_where_settled(best, &rest);
-                fitted.extend(self.fit_all(&near, beside.as_ref(), plans, Some(own)));
-            } else if let Some(without) = self.index_of(&rest, best) {
-                let near = self.tried[without].clone();
-                let beside = self.observing(&near);
-                fitted.extend(self.fit_all(&near, beside.as_ref(), plans, None));
+        let mut fitted = Vec::new();
+        if effects.len() > 1 {
+            let own = self.observed_where_settled(best, &effects).map(|own| own.fit.cost);
+            for leaving in &effects {
+                fitted.extend(self.promised_rivals(best, &effects, leaving, own));
             }
         }
+        fitted.extend(self.rivals_anew(best));
         let mean = |i: usize| self.mean_square(i);
         let rival = fitted.into_iter().filter(|&i| self.tried[i].effects.len() <= effects.len());
         rival.fold(best, |a, b| if mean(b) < mean(a) { b } else { a })
     }
 
-    /// Rivals of a member of a set as they promised to be beside the base model, which leaves so much: those at its port, and those
-    /// that alone leave as little.
-    fn rivals_of(&self, leaving: &String, effects: &[String], base: f64) -> Vec<Plan> {
+    /// Fits rivals of a member of a set as they promised to be; `own` is the set's cost under the observer where it explains
+    /// everything. The indices.
+    fn promised_rivals(
+        &mut self,
+        best: usize,
+        effects: &[String],
+        leaving: &String,
+        own: Option<f64>,
+    ) -> Vec<usize> {
+        let (rest, mut plans) = (all_but(effects, leaving), self.rivals_of(leaving, effects));
+        let near = match own {
+            Some(_) => Candidate { effects: rest.clone(), ..self.tried[best].clone() },
+            None => match self.index_of(&rest, best) {
+                Some(without) => self.tried[without].clone(),
+                None => return Vec::new(),
+            },
+        };
+        plans.retain(|p| own.is_none_or(|own| !self.is_beaten(&self.set_with(&near, &p.added), own)));
+        if plans.is_empty() {
+            return Vec::new();
+        }
+        let beside = match own {
+            Some(_) => self.observed_where_settled(best, &rest),
+            None => self.observing(&near),
+        };
+        self.fit_all(&near, beside.as_ref(), plans, own)
+    }
+
+    /// Rivals of a member of a set as they promised to be beside the base model: those at its port, and those that alone leave as little.
+    fn rivals_of(&self, leaving: &String, effects: &[String]) -> Vec<Plan> {
         let cards = self.models.exact.effects(&self.models.seen);
         let port = |id: &str| cards.iter().find(|c| c.id == id).map(|c| c.acts_on.as_str());
         let promised = || self.promises.iter().filter(|p| !effects.contains(&p.effect) && p.drop > 0.0);
         let at_port = |p: &&Promise| port(&p.effect) == port(leaving);
-        let alike = |p: &&Promise| !at_port(p) && self.leaves_as_little(&p.effect, leaving, base);
+        let alike = |p: &&Promise| !at_port(p) && self.leaves_as_little(&p.effect, leaving);
         let most = RIVALS as usize;
         let rivals = promised().filter(at_port).take(most).chain(promised().filter(alike).take(most));
         rivals.map(|p| Plan { added: vec![p.effect.clone()], drop: p.drop, start: p.start.clone() }).collect()
@@ -156,11 +168,20 @@ impl Search<'_> {
         seen.or_else(|| self.tried.iter().find(|t| t.effects == set).map(|t| t.fit.cost))
     }
 
-    /// Whether an effect alone leaves hardly more than another one, which takes most of the cost that the base model leaves.
-    fn leaves_as_little(&self, effect: &String, other: &String, base: f64) -> bool {
-        let alone = |id: &String| self.left_by(std::slice::from_ref(id));
-        let (Some(own), Some(other)) = (alone(effect), alone(other)) else { return false };
-        other < (1.0 - MOST_OF_IT) * base && own <= ALIKE_COST * other
+    /// Whether an effect alone leaves hardly more than another one, which takes most of what the base model leaves: under the observer,
+    /// or in open loop.
+    fn leaves_as_little(&self, effect: &String, other: &String) -> bool {
+        let alone = |id: &String| std::slice::from_ref(id).to_vec();
+        let alike = |left: &dyn Fn(&[String]) -> Option<f64>| -> Option<bool> {
+            let (own, other, base) = (left(&alone(effect))?, left(&alone(other))?, left(&[])?);
+            Some(other < (1.0 - MOST_OF_IT) * base && own <= ALIKE_COST * other)
+        };
+        let seen = |set: &[String]| match set {
+            [] => self.observing(&self.tried[0]).map(|base| base.fit.cost),
+            _ => self.least_observed(|o| o.effects == set).map(|o| o.seen.cost),
+        };
+        let open = |set: &[String]| self.tried.iter().find(|t| t.effects == set).map(|t| t.fit.cost);
+        alike(&seen) == Some(true) || alike(&open) == Some(true)
     }
 
     /// Whether a set was fitted under the observer before, and left too much there to be a rival of one of this cost.

@@ -220,6 +220,12 @@ pub(crate) fn has_two_magnitudes(parameters: &[Parameter]) -> bool {
     parameters.iter().filter(|p| !p.fixed && p.scale == Scale::Logarithmic).count() >= 2
 }
 
+/// Whether there is a limit, which is nothing where it is infinite: beside base values that the clipped runs have driven away it is
+/// reached nowhere, or everywhere, and an effect that is screened there promises nothing.
+pub(crate) fn has_limit(parameters: &[Parameter]) -> bool {
+    parameters.iter().any(|p| !p.fixed && p.neutral == Some(f64::INFINITY))
+}
+
 /// Fits the lowest of some candidates on (see [`Models::finished`]).
 fn finish_best(models: &Models, candidates: &mut [Candidate]) {
     if let Some(best) = candidates.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a }) {

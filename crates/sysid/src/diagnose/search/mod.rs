@@ -20,8 +20,8 @@ use crate::diagnose::refine::Models;
 use crate::diagnose::refine::Seen;
 use crate::diagnose::refine::starts::with_nominal_base;
 use crate::diagnose::screen::{Plan, Promise, Screened, addable, screen};
-use crate::diagnose::{Candidate, Port, Progress, free_form};
-use fits::has_two_magnitudes;
+use crate::diagnose::{Candidate, Port, Progress, Tell, free_form};
+use fits::{has_limit, has_two_magnitudes};
 use rayon::prelude::*;
 use sealegs_model::{EffectCard, internal};
 
@@ -67,7 +67,7 @@ pub(crate) struct Search<'a> {
     pub ports: Vec<Port>,
     /// The curve at one of them that leaves least beside the base model, once it was looked for.
     pub curve: Option<Option<free_form::Fitted>>,
-    pub progress: &'a (dyn Fn(Progress) + Sync),
+    pub tell: &'a Tell<'a>,
 }
 
 impl Search<'_> {
@@ -198,7 +198,7 @@ impl Search<'_> {
     }
 
     /// Where the best set leaves something, fits what is screened badly: laws that repeat along the screw, and each effect of
-    /// two magnitudes that was not fitted alone. The index of the best one if it is clearly better than the best set.
+    /// two magnitudes or with a limit that was not fitted alone. The index of the best one if it is clearly better than the best set.
     fn screened_badly(&mut self, best: usize) -> usize {
         let base = &self.tried[0];
         if self.models.dear || self.is_long() || self.models.is_settled(&self.tried[best], base) {
@@ -208,7 +208,8 @@ impl Search<'_> {
         let mut indices = self.repeating(best, &cards);
         if !indices.iter().any(|&i| self.models.is_settled(&self.tried[i], &self.tried[0])) {
             let alone = |id: &String| self.tried.iter().any(|t| t.effects == std::slice::from_ref(id));
-            cards.retain(|c| has_two_magnitudes(&c.parameters) && !alone(&c.id));
+            cards
+                .retain(|c| (has_two_magnitudes(&c.parameters) || has_limit(&c.parameters)) && !alone(&c.id));
             self.say_fitted(cards.iter().map(|c| vec![c.id.clone()]).collect());
             let (models, base) = (&self.models, &self.tried[0]);
             let fit = |c: &EffectCard| models.with_one_more(base, &c.id);
@@ -237,10 +238,15 @@ impl Search<'_> {
         fitted.into_iter().map(|fitted| self.kept(fitted)).collect()
     }
 
+    /// Says what is being done, and which share of a longest search is spent.
+    pub(crate) fn say(&self, what: Progress) {
+        (self.tell)(what, (self.models.data.steps() as f64 / LONG_SEARCH).min(1.0));
+    }
+
     /// Says which sets are fitted, if any are.
     pub(crate) fn say_fitted(&self, sets: Vec<Vec<String>>) {
         if !sets.is_empty() {
-            (self.progress)(Progress::Fitting { sets });
+            self.say(Progress::Fitting { sets });
         }
     }
 
@@ -248,7 +254,7 @@ impl Search<'_> {
     fn say_better(&self, index: usize) {
         let error = |i: usize| self.tried[i].fit.error();
         let set = self.tried[index].effects.clone();
-        (self.progress)(Progress::Better { set, base: error(0), error: error(index) });
+        self.say(Progress::Better { set, base: error(0), error: error(index) });
     }
 
     /// Fits what screening promises beside a set; the indices. `None` where no plan promises to explain what the set leaves, and
@@ -302,7 +308,7 @@ impl Search<'_> {
         if let Some((_, before)) = self.screened.iter().find(|(set, _)| *set == beside.effects) {
             return before.clone();
         }
-        (self.progress)(Progress::Screening { beside: beside.effects.clone() });
+        self.say(Progress::Screening { beside: beside.effects.clone() });
         let cards = addable(beside.model.as_ref(), &self.models.seen, &self.admitted);
         let screened = self.at(beside, &cards);
         if beside.effects.is_empty() {
@@ -318,7 +324,7 @@ impl Search<'_> {
     /// moves as it was measured.
     fn in_open_loop(&self, from: usize, beside: &Candidate, observed: &Screened) -> Vec<Plan> {
         let (models, candidate) = (&self.models, &self.tried[from]);
-        (self.progress)(Progress::Screening { beside: candidate.effects.clone() });
+        self.say(Progress::Screening { beside: candidate.effects.clone() });
         let internals = || beside.fit.evaluation.predictions.iter().flat_map(|p| &p.internals);
         let shows = |place: &str| {
             let missing = format!("{place}.{}", internal::MISSING);
