@@ -10,6 +10,10 @@ use sealegs_model::{Model, ModelError, Record};
 /// model's values.
 const AT_REST: (f64, f64) = (4.0, 16.0);
 
+/// Standard deviations of the rows' own speed beyond which it is a motion's, whatever the model says: a cubic through rows that are
+/// driven from the first one on is some three off.
+const IN_MOTION: f64 = 10.0;
+
 /// Steps of Gauss and Newton to a start; the motion of a few rows is nearly linear in it.
 pub const START_STEPS: usize = 2;
 
@@ -75,7 +79,7 @@ pub(super) fn start(
             _ => break,
         }
     }
-    if record.cut {
+    if record.cut || begins.slope.abs() > IN_MOTION * begins.slope_std {
         return of(&at);
     }
     // Most logs begin at rest; a polynomial through the first rows of one that is driven at once does not tell.
