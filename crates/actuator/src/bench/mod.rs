@@ -27,6 +27,10 @@ mod start;
 mod stated;
 mod step;
 
+/// Integration steps per sampling period of a drive without a spring under an observer, which pulls its motion to every row: only a
+/// servo's loop, which runs within a row, needs the model's own. As many as a search takes.
+pub const OBSERVED_STEPS_PER_SAMPLE: f64 = 4.0;
+
 pub use begin::{START_LIMIT, START_STEPS};
 pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE};
 pub use fed::{Fed, command_times};
@@ -458,7 +462,9 @@ impl Model for BenchModel {
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
         let observed = observed::Observed::of(records, self.spec.is_rigid())?;
-        Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
+        let coarse = (self.spec.is_rigid() && self.spec.servo.is_none()).then_some(OBSERVED_STEPS_PER_SAMPLE);
+        let steps_per_sample = self.steps_per_sample.or(coarse);
+        Some(Box::new(Self { observed: Some(Arc::new(observed)), steps_per_sample, ..self.clone() }))
     }
 
     fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {

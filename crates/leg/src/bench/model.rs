@@ -13,7 +13,7 @@ use crate::effect::link_mass;
 use crate::error::{meant, nearest};
 use crate::robot::{JointKind, JointLimits, Robot};
 use nalgebra::Cholesky;
-use sealegs_actuator::bench::{Bench, BenchModel};
+use sealegs_actuator::bench::{Bench, BenchModel, OBSERVED_STEPS_PER_SAMPLE};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_actuator::{ActuatorSpec, Kind};
@@ -455,7 +455,9 @@ impl Model for RobotModel {
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
         let observed = Observed::of(records, &self.positions(), None)?;
-        Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
+        let coarse = (!self.has_loop(records)).then_some(OBSERVED_STEPS_PER_SAMPLE);
+        let steps_per_sample = self.steps_per_sample.or(coarse);
+        Some(Box::new(Self { observed: Some(Arc::new(observed)), steps_per_sample, ..self.clone() }))
     }
 
     /// `None` where loops of the joints' own hold their positions: an error does not grow there.
