@@ -6,9 +6,8 @@ use sealegs_sysid::Campaign;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Where the model of a campaign comes from.
 #[derive(Debug, Clone, Default)]
@@ -234,13 +233,7 @@ pub struct Stop(Arc<State>);
 struct State {
     stopped: AtomicBool,
     simulations: AtomicU64,
-    /// Whether a diagnosis searches.
-    searches: AtomicBool,
     search_ended: AtomicBool,
-    /// Whether a search was refused a simulation.
-    cut: AtomicBool,
-    /// When a search ends at the latest.
-    until: OnceLock<Instant>,
 }
 
 impl Stop {
@@ -267,34 +260,9 @@ impl Stop {
         self.0.search_ended.store(true, Ordering::Relaxed);
     }
 
-    /// Whether a search was ended before it was done.
-    pub(crate) fn has_cut(&self) -> bool {
-        self.0.cut.load(Ordering::Relaxed)
-    }
-
-    /// A search ends at this time at the latest.
-    pub(crate) fn end_search_at(&self, time: Instant) {
-        // The first of several diagnoses with one handle sets it.
-        let _ = self.0.until.set(time);
-    }
-
-    /// Says whether a diagnosis searches now.
-    pub(crate) fn searches(&self, now: bool) {
-        self.0.searches.store(now, Ordering::Relaxed);
-    }
-
-    /// Why no simulation is to be begun any more, if none is.
-    pub(crate) fn refuses(&self) -> Option<&'static str> {
-        if self.is_stopped() {
-            return Some("stopped");
-        }
-        let is_over = || self.0.until.get().is_some_and(|until| Instant::now() >= *until);
-        let ended = self.0.searches.load(Ordering::Relaxed)
-            && (self.0.search_ended.load(Ordering::Relaxed) || is_over());
-        ended.then(|| {
-            self.0.cut.store(true, Ordering::Relaxed);
-            "the search was ended"
-        })
+    /// Whether a diagnosis's search was told to end.
+    pub(crate) fn ends_search(&self) -> bool {
+        self.0.search_ended.load(Ordering::Relaxed)
     }
 
     /// Simulations begun so far.

@@ -27,10 +27,6 @@ mod start;
 mod stated;
 mod step;
 
-/// Integration steps per sampling period of a drive without a spring under an observer, which pulls its motion to every row: only a
-/// servo's loop, which runs within a row, needs the model's own. As many as a search takes.
-pub const OBSERVED_STEPS_PER_SAMPLE: f64 = 4.0;
-
 pub use begin::{START_LIMIT, START_STEPS};
 pub use channel::{ENABLE, INPUTS, OUTPUTS, SUPPLY, TEMPERATURE};
 pub use fed::{Fed, command_times};
@@ -52,6 +48,10 @@ use std::sync::Arc;
 
 /// The integrator's greatest step, s, unless another is asked for.
 pub const DEFAULT_STEP_S: f64 = 1e-4;
+
+/// Integration steps per sampling period of a drive without a spring under an observer, which pulls its motion to every row: only a
+/// servo's loop, which runs within a row, needs the model's own. As many as a search takes.
+pub const OBSERVED_STEPS_PER_SAMPLE: f64 = 4.0;
 
 /// An included effect: which one, at which sensor if narrowed down, and where its parameters begin.
 #[derive(Debug, Clone)]

@@ -1,6 +1,7 @@
 //! What a diagnosis is trying, in words.
 
 use crate::Options;
+use crate::stoppable::SearchEnd;
 use sealegs_sysid::diagnose::Progress;
 use std::time::Instant;
 
@@ -16,20 +17,21 @@ const KNOWN_FROM: f64 = 0.05;
 /// A diagnosis that is under way.
 pub(super) struct Searching<'a> {
     options: &'a Options,
+    end: &'a SearchEnd,
     began: Instant,
 }
 
 impl<'a> Searching<'a> {
-    pub fn of(options: &'a Options) -> Self {
-        Self { options, began: Instant::now() }
+    pub fn of(options: &'a Options, end: &'a SearchEnd) -> Self {
+        Self { options, end, began: Instant::now() }
     }
 
     /// Tells what is being done, and while it searches which share of a longest search is spent and how much time is left at most;
     /// the search can be ended from its begin to its end.
     pub fn tell(&self, doing: &Progress, spent: f64) {
         match doing {
-            Progress::Looking => self.options.stop.searches(true),
-            Progress::Searched => return self.options.stop.searches(false),
+            Progress::Looking => self.end.is_under_way(true),
+            Progress::Searched => return self.end.is_under_way(false),
             _ => {}
         }
         let said = message(doing);

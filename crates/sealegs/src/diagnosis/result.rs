@@ -9,7 +9,7 @@ use super::provenance::Provenance;
 use super::story::{Sides, Story};
 use super::{page, plan, text};
 use crate::campaign_model::{self, CampaignModel};
-use crate::stoppable::{Stoppable, unless_stopped};
+use crate::stoppable::{SearchEnd, Stoppable, unless_stopped};
 use crate::{Error, Options, Result, comparison};
 use sealegs_model::{Excitation, Model};
 use sealegs_recorder::recording;
@@ -62,31 +62,36 @@ pub struct Diagnosis {
 /// [`Options::force`]), [`Error::Stopped`](crate::Error::Stopped).
 pub fn diagnose(campaign: &Campaign, options: impl Into<Options>) -> Result<Diagnosis> {
     let (started, options) = (Instant::now(), options.into());
-    if let Some(most) = options.search_at_most {
-        options.stop.end_search_at(started + most);
-    }
+    let until = options.search_at_most.map(|most| started + most);
     let whole = Ready::of(campaign.clone(), &options)?;
     let diverges = whole.diverges(&options)?;
     let in_time = match &diverges {
-        Some(astray) => in_pieces(campaign, astray, &options)?,
+        Some(astray) => in_pieces(campaign, astray, &options, until)?,
         None => None,
     };
     let mut diagnosis = match in_time {
         Some(diagnosis) => diagnosis,
-        None => whole.diagnosed(&options)?,
+        None => whole.diagnosed(&options, until)?,
     };
-    let again = diverges.is_none() && !options.stop.has_cut();
+    let again = diverges.is_none() && !diagnosis.outcome.work.ended_early;
     if let Some(astray) = diagnosis.hidden_by_drift().filter(|_| again) {
-        diagnosis = in_pieces(campaign, &astray, &options)?.unwrap_or(diagnosis);
+        diagnosis = in_pieces(campaign, &astray, &options, until)?.unwrap_or(diagnosis);
     }
     Ok(Diagnosis { took: started.elapsed(), ..diagnosis })
 }
 
 /// The diagnosis of a campaign's runs in pieces. None where they say no more than whole runs, or cannot be simulated: that takes
 /// nothing from a verdict on whole runs.
-fn in_pieces(campaign: &Campaign, astray: &Astray, options: &Options) -> Result<Option<Diagnosis>> {
+fn in_pieces(
+    campaign: &Campaign,
+    astray: &Astray,
+    options: &Options,
+    until: Option<Instant>,
+) -> Result<Option<Diagnosis>> {
     options.tell(&format!("diagnosing in pieces of {:.1} s", astray.piece_s));
-    match Ready::of(campaign.cut_into(astray.piece_s), options).and_then(|ready| ready.diagnosed(options)) {
+    match Ready::of(campaign.cut_into(astray.piece_s), options)
+        .and_then(|ready| ready.diagnosed(options, until))
+    {
         Ok(mut found) if found.found.verdict.kind != VerdictKind::Unexplained => {
             found.outcome.confidence.reasons.insert(0, astray.cut());
             Ok(Some(found))
@@ -123,10 +128,12 @@ impl Ready {
         unless_stopped(options, Ok::<_, Error>(Astray::after_a_fit(&self.campaign, &stoppable)))
     }
 
-    fn diagnosed(self, options: &Options) -> Result<Diagnosis> {
+    /// The diagnosis, whose search ends at a time at the latest.
+    fn diagnosed(self, options: &Options, until: Option<Instant>) -> Result<Diagnosis> {
         let Self { mut campaign, model, per_unit, wrong } = self;
-        let stoppable = Stoppable::new(per_unit.as_ref(), options);
-        let searching = Searching::of(options);
+        let end = SearchEnd::new(options, until);
+        let stoppable = Stoppable::searched(per_unit.as_ref(), options, &end);
+        let searching = Searching::of(options, &end);
         let found = diagnose::diagnose(&campaign, &stoppable, &|doing, spent| searching.tell(&doing, spent));
         let found = unless_stopped(options, found)?;
         options.tell("planning the next experiment");
@@ -147,7 +154,7 @@ impl Ready {
         if matches!(kind, VerdictKind::Unexplained | VerdictKind::PartlyExplained) {
             campaign.notes.extend(not_tried(model.as_ref()));
         }
-        let outcome = Outcome::new(&campaign, &found, (next, options.stop.has_cut()), wrong, provenance);
+        let outcome = Outcome::new(&campaign, &found, (next, end.has_cut()), wrong, provenance);
         let (label, command) = (options.model.label(&campaign), options.command_of("sealegs::diagnose"));
         let took = Duration::ZERO;
         Ok(Diagnosis { campaign, model: model.into(), found, experiment, outcome, label, command, took })

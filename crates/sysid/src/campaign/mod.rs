@@ -8,6 +8,7 @@
 //! Time stamps are kept as they are. [`Clock`] says how regular they are; whoever needs a uniform grid
 //! (spectra, autocorrelation) resamples once with [`crate::resample`].
 
+mod against;
 mod clock;
 mod columns;
 mod file;
@@ -32,7 +33,7 @@ use crate::nuisance::SensorPrior;
 use crate::{Error, stats};
 use rayon::prelude::*;
 use scored::{scored_rows, skip_start_in_motion, too_few_rows};
-use sealegs_model::{Model, Record, Signal};
+use sealegs_model::{Record, Signal};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -415,62 +416,6 @@ impl Campaign {
             Some(_) => Ok(()),
             None => Err(Error::NoRun { file: self.file.clone(), role: role.as_str() }),
         }
-    }
-
-    /// Checks that a model can predict every run: one input column that it takes and at least one output
-    /// column that it predicts. Returns a line for each recorded output column that it does not predict.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadFile`] naming the run's file and its header.
-    pub fn check_against(&self, model: &dyn Model) -> Result<Vec<String>, Error> {
-        let mut notes = Vec::new();
-        for run in &self.runs {
-            let wanted = model.inputs();
-            let found: Vec<&str> =
-                run.record.inputs.iter().map(|s| s.channel.as_str()).filter(|c| wanted.contains(c)).collect();
-            if !wanted.is_empty() && found.len() != 1 {
-                let problem = match found.first() {
-                    None => {
-                        let inputs: Vec<&str> =
-                            run.record.inputs.iter().map(|s| s.channel.as_str()).collect();
-                        let found = if inputs.is_empty() {
-                            String::new()
-                        } else {
-                            format!(" (found: {})", inputs.join(", "))
-                        };
-                        format!(
-                            "no input column that {} takes{found}; it needs {}",
-                            model.name(),
-                            wanted.join(" or ")
-                        )
-                    }
-                    Some(_) => format!("two input columns at once: {}", found.join(", ")),
-                };
-                return Err(Error::bad(&run.path, table::header_of(&run.path), None, problem));
-            }
-            let (known, other): (Vec<&Signal>, Vec<&Signal>) =
-                run.record.outputs.iter().partition(|s| model.predicts(&s.channel));
-            if known.is_empty() {
-                let names: Vec<&str> = run.record.outputs.iter().map(|s| s.channel.as_str()).collect();
-                let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-                return Err(Error::bad(
-                    &run.path,
-                    table::header_of(&run.path),
-                    None,
-                    format!("no output column that {} can predict (found: {found})", model.name()),
-                ));
-            }
-            for signal in other {
-                notes.push(format!(
-                    "{}: column '{}' is not predicted by {}; it is kept, and compared with nothing",
-                    run.record.name,
-                    signal.channel,
-                    model.name()
-                ));
-            }
-        }
-        Ok(notes)
     }
 
     /// States what is known of a column's sensor: one standard deviation of its gain about 1 (0: exact),

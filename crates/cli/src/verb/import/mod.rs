@@ -257,33 +257,37 @@ fn campaign(
         out.push_str(&one_run(folder, logs, &parts)?);
         return Ok(out);
     }
-    let mut runs: Vec<String> = Vec::new();
+    let mut runs: Vec<(&Path, String)> = Vec::new();
     let parted = runs_of_parts(logs).unwrap_or_default();
     for run in &parted {
         let files = run.iter().map(|&i| Ok(quoted(&relative(folder, logs[i].0)?)));
-        runs.push(format!("files = [{}]\n", files.collect::<anyhow::Result<Vec<_>>>()?.join(", ")));
+        let files = files.collect::<anyhow::Result<Vec<_>>>()?.join(", ");
+        runs.push((logs[run[0]].0, format!("files = [{files}]\n")));
     }
     for (file, log, _) in logs.iter().filter(|_| parted.is_empty()) {
-        let file = quoted(&relative(folder, file)?);
+        let name = quoted(&relative(folder, file)?);
         let episodes = episodes(log);
         if episodes.len() > MOST_EPISODES {
-            let _ = write!(out, "\n# {file} has {} episodes; the first are below.\n", episodes.len());
+            let _ = write!(out, "\n# {name} has {} episodes; the first are below.\n", episodes.len());
         }
         match episodes.is_empty() {
-            true => runs.push(format!("file = {file}\n")),
+            true => runs.push((file, format!("file = {name}\n"))),
             false => runs.extend(
-                episodes.iter().take(MOST_EPISODES).map(|e| format!("file = {file}\nepisode = {e}\n")),
+                episodes
+                    .iter()
+                    .take(MOST_EPISODES)
+                    .map(|e| (*file, format!("file = {name}\nepisode = {e}\n"))),
             ),
         }
     }
     // Runs that are called so are kept back, to judge; else one of several, and of many each fourth.
-    let called: Vec<bool> = runs.iter().map(|run| is_called_holdout(run)).collect();
+    let called: Vec<bool> = runs.iter().map(|(file, _)| is_called_holdout(file)).collect();
     let by_name = called.contains(&true) && called.contains(&false);
     let kept_back = |i: usize| match by_name {
         true => called[i],
         false => i > 0 && (i + 1 == runs.len() || i % 4 == 3),
     };
-    for (i, run) in runs.iter().enumerate() {
+    for (i, (_, run)) in runs.iter().enumerate() {
         let role = if kept_back(i) { "holdout" } else { "fit" };
         let _ = write!(out, "\n[[run]]\n{run}role = \"{role}\"\n");
     }
@@ -347,10 +351,10 @@ fn rate_hz(log: &Log) -> Option<(f64, String)> {
 }
 
 /// Whether a run's file is called as one that judges, `check.csv` or `run_test_2.csv`.
-fn is_called_holdout(run: &str) -> bool {
+fn is_called_holdout(file: &Path) -> bool {
     const CALLED: [&str; 6] = ["check", "test", "holdout", "heldout", "valid", "validation"];
-    let name = run.split(['"', '\'']).nth(1).and_then(|file| file.rsplit('/').next()).unwrap_or_default();
-    name.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|word| CALLED.contains(&word))
+    let name = file.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    name.split(|c: char| !c.is_alphabetic()).any(|word| CALLED.contains(&word))
 }
 
 /// Episodes of a file that become runs: more cost a search time and tell it little.

@@ -80,9 +80,7 @@ pub(super) fn runs_of_parts(logs: &[(&Path, Log, Survey)]) -> Option<Vec<Vec<usi
     let mut runs: Vec<Vec<usize>> = commands.into_iter().map(|i| vec![i]).collect();
     for i in others {
         let shares = |run: &Vec<usize>| {
-            let ((a, b), (c, d)) = (spans[run[0]], spans[i]);
-            let shared = b.min(d) - a.max(c);
-            shared >= OVERLAP * (b - a).min(d - c)
+            share_time(&[spans[run[0]], spans[i]])
                 && run.iter().all(|&j| all[j].channels().is_disjoint(&all[i].channels()))
         };
         let mut fitting = runs.iter_mut().filter(|run| shares(run));
@@ -121,13 +119,19 @@ fn are_complements(all: &[Part]) -> bool {
 /// How complementary files belong together by when they begin and end.
 fn by_clocks(all: &[Part]) -> Option<Parts> {
     let spans: Vec<(f64, f64)> = all.iter().map(Part::span_s).collect::<Option<_>>()?;
-    let shortest = spans.iter().map(|(start, end)| end - start).fold(f64::INFINITY, f64::min);
-    let longest = spans.iter().map(|(start, end)| end - start).fold(0.0, f64::max);
-    let latest = spans.iter().map(|(start, _)| *start).fold(f64::NEG_INFINITY, f64::max);
-    let earliest_end = spans.iter().map(|(_, end)| *end).fold(f64::INFINITY, f64::min);
-    if earliest_end - latest >= OVERLAP * shortest {
+    if share_time(&spans) {
         return Some(Parts::OneClock);
     }
+    let lengths = || spans.iter().map(|(start, end)| end - start);
+    let (shortest, longest) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max));
     let offsets = || spans.iter().map(|(start, _)| spans[0].0 - start).collect();
     (longest <= AS_LONG * shortest).then(|| Parts::OwnClocks(offsets()))
+}
+
+/// Whether most of the shortest of some spans of time lies within all of them.
+fn share_time(spans: &[(f64, f64)]) -> bool {
+    let shortest = spans.iter().map(|(start, end)| end - start).fold(f64::INFINITY, f64::min);
+    let latest = spans.iter().map(|(start, _)| *start).fold(f64::NEG_INFINITY, f64::max);
+    let earliest_end = spans.iter().map(|(_, end)| *end).fold(f64::INFINITY, f64::min);
+    earliest_end - latest >= OVERLAP * shortest
 }
