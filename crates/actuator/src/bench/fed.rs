@@ -1,6 +1,6 @@
 //! What a record tells a drive, and feeds it with, over the steps of a grid.
 
-use crate::plant::{Feed, Grid, Plant, mean_per_step};
+use crate::plant::{Feed, Grid, Plant, at_step_starts, mean_per_step};
 use sealegs_model::columns::{ENABLE, FEEDFORWARD, GOAL_SPEED, GRAVITY, SUPPLY, TEMPERATURE};
 use sealegs_model::{InputHold, Record};
 use std::borrow::Cow;
@@ -48,11 +48,13 @@ impl Fed {
         let stages = &plant.laws.command_stages;
         let held = |time_s: &[f64], values| mean_per_step(time_s, values, InputHold::ZeroOrder, &[], grid);
         let driven = |name: &str| beside(name).filter(|_| plant.winding.is_some() || plant.servo.is_some());
-        let commands_torque = plant.servo.is_some_and(|servo| servo.commands_torque());
-        let beside_goal = |name: &str| {
-            let values = beside(name).filter(|_| commands_torque)?;
-            Some(mean_per_step(told, values, record.hold, stages, grid))
+        let samples = plant.servo.is_some_and(|servo| servo.period_s.is_some());
+        let commanded = |values: &[f64]| match samples && record.hold == InputHold::ZeroOrder {
+            true => at_step_starts(told, values, stages, grid),
+            false => mean_per_step(told, values, record.hold, stages, grid),
         };
+        let commands_torque = plant.servo.is_some_and(|servo| servo.commands_torque());
+        let beside_goal = |name: &str| beside(name).filter(|_| commands_torque).map(commanded);
         // The signal that switches the drive on comes as late as the command, the supply is measured.
         let switched = |on| {
             let (mut late, mut unused) = (told.to_vec(), command.to_vec());
@@ -61,7 +63,7 @@ impl Fed {
         };
         let felt = plant.laws.rotor_friction.iter().any(|law| law.feels_temperature());
         Self {
-            commands: mean_per_step(told, command, record.hold, stages, grid),
+            commands: commanded(command),
             // It follows the joint, and is computed many times between two rows.
             added: GRAVITY
                 .into_iter()

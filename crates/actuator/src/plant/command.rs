@@ -1,4 +1,4 @@
-//! The command between its samples: the mean motor effort over every step of the integrator's grid.
+//! The command between its samples: over every step of the integrator's grid its mean, or what is in force where the step begins.
 
 use super::ports::CommandStage;
 use crate::kaiser::windowed_sinc;
@@ -38,6 +38,11 @@ impl Grid {
         Self { start_s, step_s, steps }
     }
 
+    /// How close to a point a time stamp is on it: what is left is rounding of decimal time stamps.
+    fn rounding(&self) -> f64 {
+        1e-7 * self.step_s.max(1e-6)
+    }
+
     /// Time of a point, s.
     #[must_use]
     pub fn time(&self, point: usize) -> f64 {
@@ -58,16 +63,40 @@ pub fn mean_per_step(
     stages: &[Box<dyn CommandStage>],
     grid: &Grid,
 ) -> Vec<f64> {
-    let mut time_s = time_s.to_vec();
-    let mut values = values.to_vec();
-    for stage in stages {
-        stage.apply(&mut time_s, &mut values);
-    }
+    let (time_s, values) = after(stages, time_s, values);
     match hold {
         InputHold::ZeroOrder => hold_zero_order(&time_s, &values, grid),
         InputHold::Linear => hold_linear(&time_s, &values, grid),
         InputHold::BandLimited => lifted(hold_band_limited(&time_s, &values, grid)),
     }
+}
+
+/// A command that is held between its samples, after the drive's `stages`, as it is where each step of `grid` begins: what a loop that
+/// samples then sees, and nothing of what comes within the step. Before its first sample it has the value of that sample.
+#[must_use]
+pub fn at_step_starts(
+    time_s: &[f64],
+    values: &[f64],
+    stages: &[Box<dyn CommandStage>],
+    grid: &Grid,
+) -> Vec<f64> {
+    let (time_s, values) = after(stages, time_s, values);
+    let mut current = 0;
+    (0..grid.steps)
+        .map(|n| {
+            while current + 1 < time_s.len() && time_s[current + 1] <= grid.time(n) + grid.rounding() {
+                current += 1;
+            }
+            values[current]
+        })
+        .collect()
+}
+
+/// A command after the drive's stages.
+fn after(stages: &[Box<dyn CommandStage>], time_s: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (mut time_s, mut values) = (time_s.to_vec(), values.to_vec());
+    stages.iter().for_each(|stage| stage.apply(&mut time_s, &mut values));
+    (time_s, values)
 }
 
 /// Holding a sine over a step `h` multiplies it by `sin(x)/x` with `x = w h / 2`. Subtracting a 24th of the
@@ -84,8 +113,7 @@ fn lifted(values: Vec<f64>) -> Vec<f64> {
 
 fn hold_zero_order(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
     let h = grid.step_s;
-    // A time stamp this close to a grid point is on it: what is left is rounding of decimal time stamps.
-    let snap = 1e-7 * h.max(1e-6);
+    let snap = grid.rounding();
     let mut current = 0;
     (0..grid.steps)
         .map(|n| {
@@ -195,6 +223,13 @@ mod tests {
         for (mean, truth) in means.iter().zip([2.0, 3.0, 0.2 * 3.0 - 0.8, -1.0]) {
             assert!((mean - truth).abs() < 1e-12, "{means:?}");
         }
+    }
+
+    #[test]
+    fn a_loop_that_samples_sees_nothing_of_what_comes_after() {
+        let grid = Grid { start_s: 0.0, step_s: 0.1, steps: 4 };
+        let seen = at_step_starts(&[0.05, 0.1, 0.201], &[1.0, 3.0, -1.0], &[], &grid);
+        assert_eq!(seen, [1.0, 3.0, 3.0, -1.0]);
     }
 
     #[test]

@@ -32,7 +32,7 @@ mod servo;
 mod trace;
 mod transmission;
 
-pub use command::{Grid, mean_per_step};
+pub use command::{Grid, at_step_starts, mean_per_step};
 pub use energy::EnergyLedger;
 pub use friction::Sliding;
 pub use laws::{Laws, MOST_PRESLIDING, SpringStep};

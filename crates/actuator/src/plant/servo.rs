@@ -195,7 +195,8 @@ impl Winding {
 /// What a drive is told, and fed with, over the steps of a grid.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Feed<'a> {
-    /// The mean command over each step, in its unit; of a servo the goal. Zero after the last.
+    /// The mean command over each step, in its unit; of a servo the goal, as it is where the step begins if its loop samples. Zero
+    /// after the last.
     pub commands: &'a [f64],
     /// What a controller adds to commanded efforts by where the joint is, in their unit.
     pub added: Option<&'a [f64]>,
