@@ -168,6 +168,27 @@ fn reference_friction_at_both_joints_and_an_offset() {
     assert!((rate - speed[700]).abs() < 0.05 * speed[700].abs().max(0.5), "{rate} {}", speed[700]);
 }
 
+/// The effects of a drive's file act at every joint that it drives; the robot's file goes before.
+#[test]
+fn reference_effects_of_a_drives_file_act_at_its_joints() {
+    let (folder, record) = (folder(), record());
+    let friction = "[[effect]]\nid = \"coulomb-friction\"\nparameters = { force_nm = 0.2 }\n";
+    let drive = format!("{TORQUE}{friction}");
+    let both = robot(folder.path(), TWO, &drive).for_records(&[&record]);
+    assert_eq!(both.included(), ["shoulder/coulomb-friction", "elbow/coulomb-friction"]);
+    let mut file = both.fitted_file(&values(&both), &[]);
+    file.effects[1].parameters.values_mut().for_each(|given| given.value = 0.1);
+    let own = RobotModel::new(file, &[]).unwrap_or_else(|e| panic!("{e}")).for_records(&[&record]);
+    assert_eq!(own.included().len(), 2);
+    for (model, truth) in [(both, reference([0.2, 0.2], 0.0)), (own, reference([0.2, 0.1], 0.0))] {
+        let got = model.predict(&values(&model), &record, &channels()).expect("finite");
+        for (joint, truth) in truth.iter().enumerate() {
+            let off = farthest(&got.outputs[joint].values, truth);
+            assert!(off < 5e-3, "{joint}: {off}");
+        }
+    }
+}
+
 #[test]
 fn reference_an_observer_shows_the_friction_that_is_missing_where_it_is_missing() {
     let folder = folder();

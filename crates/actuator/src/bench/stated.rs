@@ -24,8 +24,12 @@ impl BenchModel {
             })?;
             for (name, given) in &effect.parameters {
                 let full = format!("{}.{name}", effect.id);
-                let Some(parameter) = self.parameters[before..].iter_mut().find(|p| p.name == full) else {
-                    return Err(unknown(full, name, "a parameter of this effect".to_owned()));
+                let own = &mut self.parameters[before..];
+                let Some(parameter) = own.iter_mut().find(|p| p.name == full) else {
+                    let all: Vec<&str> =
+                        own.iter().filter_map(|p| Some(p.name.rsplit_once('.')?.1)).collect();
+                    let admitted = format!("a parameter of this effect: {}", all.join(", "));
+                    return Err(unknown(full, name, admitted));
                 };
                 effect.state(*given, parameter);
             }
@@ -117,6 +121,9 @@ mod tests {
         }
         let refused =
             stated("thor-linear", Bench::Locked, "counts").expect_err("no such parameter").to_string();
-        assert!(refused.contains("counts") && refused.contains("a parameter of this effect"), "{refused}");
+        assert!(
+            refused.contains("counts") && refused.ends_with("a parameter of this effect: count"),
+            "{refused}"
+        );
     }
 }

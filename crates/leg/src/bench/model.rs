@@ -5,7 +5,7 @@ use super::joint::{Column, Joint, refused_with_spring};
 use super::links::{self, LinkMass, LinkParameters};
 use super::observed::Observed;
 use super::parts::Parts;
-use super::stated::with_embedded;
+use super::stated::{with_drives_effects, with_embedded};
 use super::{RobotFile, alike};
 use crate::LegError;
 use crate::dynamics::equations::MovingBodies;
@@ -13,7 +13,7 @@ use crate::effect::link_mass;
 use crate::error::{meant, nearest};
 use crate::robot::{JointKind, JointLimits, Robot};
 use nalgebra::Cholesky;
-use sealegs_actuator::bench::{Bench, BenchModel, OBSERVED_STEPS_PER_SAMPLE};
+use sealegs_actuator::bench::{Bench, BenchModel};
 use sealegs_actuator::effect::Effect;
 use sealegs_actuator::spec::{EffectSpec, EffectValue, SensorSpec};
 use sealegs_actuator::{ActuatorSpec, Kind};
@@ -81,9 +81,9 @@ impl RobotModel {
     /// Whatever is wrong with URDF or actuator files; [`LegError::Scenario`] for a robot that does not move, a drive of
     /// the wrong kind, and a parameter or effect that it cannot have.
     pub fn new(file: RobotFile, own: &[Arc<dyn Effect>]) -> Result<Self, LegError> {
-        let own = with_embedded(&file, own)?;
         let robot = Robot::load(&file.urdf().display().to_string(), None)?;
-        let bad = |field: String, problem: String| LegError::scenario(&file.robot, &field, problem);
+        let urdf = file.robot.clone();
+        let bad = |field: String, problem: String| LegError::scenario(&urdf, &field, problem);
         let moving = |robot: &Robot| robot.moving_joints().map(|j| j.name.clone()).collect::<Vec<_>>();
         let stray = |table: &str, joint: &str, names: &[String]| {
             let hint = meant(joint, names.iter().map(String::as_str));
@@ -111,6 +111,8 @@ impl RobotModel {
         if let Some(joint) = file.drive.keys().find(|joint| !names.contains(joint)) {
             return Err(stray("drive", joint, &names));
         }
+        let file = with_drives_effects(file, &names)?;
+        let own = with_embedded(&file, own)?;
         let mut parameters: Vec<Parameter> = Vec::new();
         let mut joints = Vec::new();
         for (i, joint) in robot.moving_joints().enumerate() {
@@ -128,6 +130,7 @@ impl RobotModel {
             }
             let load = equations.mass[(i, i)];
             let mut spec = spec;
+            // They are the robot's, at this joint.
             spec.effects.clear();
             // What the URDF states of the joint's viscous loss is its own, beside the drive's where no spring parts them.
             let sprung = !spec.is_rigid();
@@ -455,9 +458,7 @@ impl Model for RobotModel {
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
         let observed = Observed::of(records, &self.positions(), None)?;
-        let coarse = (!self.has_loop(records)).then_some(OBSERVED_STEPS_PER_SAMPLE);
-        let steps_per_sample = self.steps_per_sample.or(coarse);
-        Some(Box::new(Self { observed: Some(Arc::new(observed)), steps_per_sample, ..self.clone() }))
+        Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }
 
     /// `None` where loops of the joints' own hold their positions: an error does not grow there.

@@ -4,7 +4,9 @@ use super::joint::Joint;
 use super::{RobotFile, RobotModel};
 use crate::LegError;
 use crate::error::meant;
+use sealegs_actuator::ActuatorSpec;
 use sealegs_actuator::effect::{Effect, OwnEffect};
+use sealegs_actuator::spec::EffectSpec;
 use sealegs_model::{Excitation, SignalRange};
 use std::sync::Arc;
 
@@ -46,14 +48,30 @@ impl RobotModel {
             *self = with;
             for (name, given) in &effect.parameters {
                 let full = format!("{}.{name}", effect.id);
-                let Some(p) = self.parameters[before..].iter_mut().find(|p| p.name == full) else {
-                    return Err(bad(format!("effect.{full}"), "no parameter of this effect".to_owned()));
+                let own = &mut self.parameters[before..];
+                let Some(p) = own.iter_mut().find(|p| p.name == full) else {
+                    let all: Vec<&str> =
+                        own.iter().filter_map(|p| Some(p.name.rsplit_once('.')?.1)).collect();
+                    let problem = format!("no parameter of this effect, which has {}", all.join(", "));
+                    return Err(bad(format!("effect.{full}"), problem));
                 };
                 effect.state(*given, p);
             }
         }
         Ok(())
     }
+}
+
+/// A robot's file with the effects of its drives' files at their joints, before its own, which go before one of the same id.
+pub(super) fn with_drives_effects(mut file: RobotFile, joints: &[String]) -> Result<RobotFile, LegError> {
+    let mut of_drives = Vec::new();
+    for joint in joints {
+        let spec = ActuatorSpec::load(file.drive_of(joint), Some(&file.folder))?;
+        let placed = spec.effects.into_iter().map(|e| EffectSpec { id: format!("{joint}/{}", e.id), ..e });
+        of_drives.extend(placed.filter(|e| file.effects.iter().all(|own| own.id != e.id)));
+    }
+    file.effects.splice(0..0, of_drives);
+    Ok(file)
 }
 
 /// The own effects that a file's effects define, beside those `given`, each id once.
