@@ -16,6 +16,8 @@ pub struct Channel {
     pub unit: Option<String>,
     /// Noise, one standard deviation, in its unit: residuals are divided by it.
     pub noise_std: f64,
+    /// The step of its values, where they lie on a grid that is coarser than the noise.
+    pub quantum: Option<f64>,
     /// What is known of its sensor.
     pub prior: SensorPrior,
     /// Greatest magnitude that was measured.
@@ -327,8 +329,11 @@ impl<'a> Data<'a> {
                     Some(input) => nuisance::quiet_start(&input.values, predicted, noise),
                     None => 0,
                 };
-                let zero = nuisance::judge_zero(sensor, noise, data.measured[slot], predicted, quiet);
-                sensor.run_bias.push((run, zero));
+                let measured = data.measured[slot];
+                let zero = nuisance::judge_zero(sensor, noise, measured, predicted, quiet);
+                let off = || data.rows().map(|i| measured[i] - sensor.gain * predicted[i] - zero).collect();
+                let within = self.channels[c].quantum.map_or(0.0, |q| nuisance::within_a_step(off(), q));
+                sensor.run_bias.push((run, zero + within));
             }
         }
         self.with_sensors(values, predictions, sensors)
@@ -437,6 +442,7 @@ fn channel(campaign: &Campaign, name: &str, unit: Option<&String>) -> Channel {
         name: name.to_owned(),
         unit: unit.cloned(),
         noise_std: campaign.noise_std(name).map_or(1.0, |n| n.std),
+        quantum: campaign.noise_std(name).and_then(|n| n.quantum),
         prior: campaign.sensor_prior(name),
         peak: campaign.peak(name),
     }

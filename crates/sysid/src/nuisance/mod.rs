@@ -23,10 +23,13 @@
 //! quiet start does. No row after the first change of the command takes part, so that nothing of the
 //! run's answer to its excitation can improve its own error. A held-out run without a quiet start is
 //! judged with the common bias, and its error then contains the error of tare.
+//!
+//! Within a step of a sensor that counts nobody knows its zero, at rest least of all: whoever switches an encoder on finds it
+//! anywhere between two counts. That half a step to either side is taken from the whole run, and no more.
 
 mod solve;
 
-pub use solve::{RunSums, Sensor, judge_zero, quiet_start, solve};
+pub use solve::{RunSums, Sensor, judge_zero, quiet_start, solve, within_a_step};
 
 /// What is known of a sensor beforehand.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -259,6 +259,12 @@ pub fn judge_zero(sensor: &Sensor, noise_std: f64, measured: &[f64], predicted: 
     (mean * common + sensor.bias * own) / (common + own)
 }
 
+/// What a held-out run's zero is beside that: the median of how far its values lie off, within half a step of a sensor that counts.
+#[must_use]
+pub fn within_a_step(off: Vec<f64>, step: f64) -> f64 {
+    if off.is_empty() { 0.0 } else { crate::stats::median(&off).clamp(-0.5 * step, 0.5 * step) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -380,5 +386,14 @@ mod tests {
         assert_eq!(judge_zero(&agreed, 2.0, &measured, &predicted, 0), agreed.bias);
         // A command that never changes excites nothing, and proves nothing about rest.
         assert_eq!(quiet_start(&predicted, &predicted, 2.0), 0);
+    }
+
+    #[test]
+    fn a_zero_is_free_within_a_step_and_no_farther() {
+        for (off, zero) in [(0.0, 0.0), (0.3, 0.3), (-0.5, -0.5), (4.0, 0.5), (-4.0, -0.5)] {
+            let rows: Vec<f64> = (-10..=10).map(|i| off + 0.05 * f64::from(i)).collect();
+            assert!((within_a_step(rows, 1.0) - zero).abs() < 1e-12, "{off}");
+        }
+        assert_eq!(within_a_step(Vec::new(), 1.0), 0.0);
     }
 }
