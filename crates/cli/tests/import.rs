@@ -390,14 +390,14 @@ fn with_a_urdf_columns_get_the_names_of_its_joints() {
     }
 }
 
-#[test]
-fn loggers_of_several_runs_are_paired_by_time_and_runs_that_are_called_so_judge() {
+/// Runs of two loggers each, of which one begins so many seconds after the other.
+fn paired(apart_s: f64) {
     let folder = tempfile::tempdir().unwrap();
     let mut files = Vec::new();
     for (n, run) in ["check", "chirp", "steps"].iter().enumerate() {
         for (part, header, step) in [("drive", "epoch,Iq_ref (A),angle", 0.01), ("temp", "epoch,T [°C]", 0.5)]
         {
-            let (start, rows) = (1.7e9 + 100.0 * n as f64, if part == "drive" { 1000 } else { 20 });
+            let (start, rows) = (1.7e9 + apart_s * n as f64, if part == "drive" { 1000 } else { 20 });
             let row = |i: u32| {
                 let (t, x) = (start + step * f64::from(i), (0.3 * f64::from(i)).sin());
                 if part == "drive" {
@@ -422,4 +422,59 @@ fn loggers_of_several_runs_are_paired_by_time_and_runs_that_are_called_so_judge(
     let judge: Vec<&str> =
         campaign.runs_of(Role::Holdout).map(|run| run.path.file_name().unwrap().to_str().unwrap()).collect();
     assert_eq!(judge, ["check_drive.csv"], "{written}");
+}
+
+#[test]
+fn loggers_of_several_runs_are_paired_by_time_or_name_and_runs_that_are_called_so_judge() {
+    paired(100.0);
+    // Loggers whose clocks begin with each run tell nothing by their times.
+    paired(0.0);
+}
+
+#[test]
+fn what_logs_say_of_their_loads_and_gains_stands_in_their_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, head: &str| {
+        let entry = |i: i32| {
+            let (t, x) = (0.01 * f64::from(i), (0.3 * f64::from(i)).sin());
+            format!("{{\"timestamp\": {t}, \"position\": {x}, \"goal_position\": {}}}", 0.9 * x)
+        };
+        let entries: Vec<String> = (0..40).map(entry).collect();
+        let file = folder.path().join(name);
+        std::fs::write(&file, format!("{{{head}, \"entries\": [{}]}}", entries.join(", "))).unwrap();
+        file
+    };
+    let light = write("light.json", "\"mass\": 0.5, \"length\": 0.15, \"kp\": 32");
+    let heavy = write("heavy.json", "\"mass\": 1.13, \"length\": 0.1, \"kp\": 16");
+    let out = folder.path().join("servo");
+    said(&["import", text(&light), text(&heavy), "-o", text(&out)]);
+    let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+    let campaign = Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{written}"));
+    let stated: Vec<_> = campaign.runs.iter().map(|run| (run.rig.mass_kg, run.rig.length_m)).collect();
+    assert_eq!(stated, [(Some(0.5), Some(0.15)), (Some(1.13), Some(0.1))], "{written}");
+    holds(&written, &["servo_gain = 32.0", "servo_gain = 16.0"]);
+}
+
+#[test]
+fn a_measured_torque_is_no_command_where_another_topic_has_the_goal() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, header: &str| {
+        let row = |i: u32| {
+            let x = (0.3 * f64::from(i)).sin();
+            format!("{},{x},{}\n", 0.01 * f64::from(i), 0.7 * x)
+        };
+        let file = folder.path().join(name);
+        std::fs::write(&file, format!("{header}\n{}", (0..40).map(row).collect::<String>())).unwrap();
+        file
+    };
+    let state = write("state.csv", "t,haa_joint_position,haa_joint_effort");
+    let goal = write("goal.csv", "t,haa_joint_position_des,haa_joint_velocity_des");
+    let out = folder.path().join("leg");
+    said(&["import", text(&state), text(&goal), "-o", text(&out)]);
+    let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+    holds(&written, &["# \"haa_joint_effort\"", "'haa_joint_position_des' is the command"]);
+    let campaign = Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{written}"));
+    let record = &campaign.runs[0].record;
+    assert!(record.input("haa_joint.position_rad").is_some(), "{written}");
+    assert!(record.input("haa_joint.torque_nm").is_none(), "{written}");
 }

@@ -8,7 +8,7 @@ use crate::LogError;
 use crate::arrays::{Array, into_log};
 use crate::budget::{Budget, MOST_INFLATED};
 use crate::encoding::of_utf16;
-use crate::table::{Log, TRUTH};
+use crate::table::{IN_UNIT, Log, TRUTH};
 use std::io::Read;
 use std::path::Path;
 
@@ -25,6 +25,9 @@ const MOST_ARRAYS: usize = 20_000;
 /// (`label`, `values`) write them.
 const LABELS: [&str; 2] = ["Name", "label"];
 const LABELLED: [&str; 2] = ["Data", "values"];
+
+/// The field of dSPACE that holds the unit of those numbers.
+const UNIT: &str = "Unit";
 
 /// Reads the bytes of a MAT-file.
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
@@ -199,7 +202,7 @@ impl File {
                         break;
                     }
                     let at = if count == 1 { String::new() } else { format!("({})", i + 1) };
-                    let (mut label, mut labelled) = (None, None);
+                    let (mut label, mut unit, mut labelled) = (None, None, None);
                     for part in &fields {
                         let (kind, inner) = data.element()?;
                         if kind != MATRIX {
@@ -211,11 +214,20 @@ impl File {
                             label = Some(own);
                             continue;
                         }
+                        if part == UNIT
+                            && let Some(own) = label_of(inner)
+                        {
+                            unit = Some(own);
+                            continue;
+                        }
                         let before = self.arrays.len();
                         self.matrix(inner, Some(&format!("{name}{at}.{part}")), depth + 1)?;
                         if LABELLED.contains(&part.as_str()) && self.arrays.len() == before + 1 {
                             labelled = Some(before);
                         }
+                    }
+                    if let (Some(unit), Some(array)) = (unit, labelled) {
+                        self.arrays[array].holds = Some(format!("{IN_UNIT}{unit}"));
                     }
                     if let (Some(label), Some(array)) = (label, labelled)
                         && self.arrays.iter().all(|other| other.name != label)

@@ -97,6 +97,8 @@ pub struct Role {
     pub settings: Option<String>,
     /// Why.
     pub reason: String,
+    /// Whether it is a measurement that stands in for a joint's command, as nothing beside it is one.
+    pub stands_in: bool,
 }
 
 /// A step of more periods than this is a gap.
@@ -123,8 +125,12 @@ fn of_table(table: &Table, joints: &[(String, String)]) -> TableSurvey {
         let wrap = clock.wrap.map(|period| format!("wrap = {period:.1}"));
         let settings: Vec<String> = unit.into_iter().chain(wrap).collect();
         let settings = (!settings.is_empty()).then(|| settings.join(", "));
-        columns[clock.column].role =
-            Some(Role { target: "time_s".to_owned(), settings, reason: clock.reason.clone() });
+        columns[clock.column].role = Some(Role {
+            target: "time_s".to_owned(),
+            settings,
+            reason: clock.reason.clone(),
+            stands_in: false,
+        });
     }
     TableSurvey { name: table.name.clone(), rows: table.rows(), clock, columns }
 }

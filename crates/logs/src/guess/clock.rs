@@ -38,8 +38,18 @@ pub fn is_time(name: &str) -> bool {
         return false;
     }
     let words = words(last_part(plain));
+    if is_temperature(last_part(plain), &words) {
+        return false;
+    }
     // LabVIEW's only one that goes on.
     words.iter().any(|w| TIME.contains(&w.as_str())) || name == "X_Value"
+}
+
+/// Whether a name is a temperature's by its capital letter, `T_winding`, and no time's: `T_ms`.
+pub(super) fn is_temperature(name: &str, words: &[String]) -> bool {
+    let own =
+        |word: &String| !["s", "ms", "us", "ns"].contains(&word.as_str()) && word.parse::<f64>().is_err();
+    name.starts_with("T_") && words.first().is_some_and(|w| w == "t") && words[1..].iter().any(own)
 }
 
 /// The unit of time stamps, and why.

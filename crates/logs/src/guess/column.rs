@@ -1,5 +1,6 @@
 //! What a single column is, by its name and the size of its numbers.
 
+use super::clock::is_temperature;
 use super::name::{self, Dimension, last_part, quantity_of, without_unit, words};
 use super::words::{ACCELERATION, COMMANDED, COMMANDS, DERIVED, FEEDFORWARD_WORDS, Quantity, SUPPLY};
 use super::{First, Guess, reach};
@@ -30,7 +31,9 @@ pub(super) fn by_words(index: usize, name: &str, values: &[f64], column: &Column
     if find(&ACCELERATION).is_some() || unit.is_some_and(|(_, of)| of.quantity().is_none()) {
         return Some(Guess::Aside("an acceleration: no channel holds it".to_owned()));
     }
-    let by_name = quantity_of(&words).or_else(|| quantity_of(&all));
+    let warm = is_temperature(last_part(plain), &words).then_some((Quantity::Temperature, "T"));
+    let warm = warm.filter(|_| unit.is_none() && quantity_of(&words).is_none());
+    let by_name = warm.or_else(|| quantity_of(&words)).or_else(|| quantity_of(&all));
     let by_unit = unit.and_then(|(_, of)| of.quantity());
     let said = |word: &str| format!("'{word}' in its name");
     let (quantity, mut reason) = match (by_name, by_unit) {
@@ -137,6 +140,10 @@ fn settings(
     }
     let unit = match unit.filter(|(_, of)| *of != Dimension::Counts) {
         Some((unit, _)) => unit,
+        None if angle && target == "motor_angle_rad" && size > DEGREES && size <= LARGEST_DEGREES => {
+            reason.push_str(&format!("; reaches {size:.0}: TODO: in rad, or \"deg\""));
+            ""
+        }
         None if angle && (has(&["deg", "degrees"]) || (size > DEGREES && size <= LARGEST_DEGREES)) => {
             reason.push_str(&format!("; reaches {size:.0}: degrees, it seems"));
             "deg"

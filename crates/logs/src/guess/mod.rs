@@ -121,11 +121,13 @@ pub(crate) fn roles(
             columns[guess.column].aside = Some(format!("{}; '{other}' is taken in its place", guess.reason));
             continue;
         }
-        if guess.target == "output_torque_nm" && commands.is_some() {
+        let stands_in = guess.target == "output_torque_nm" && commands.is_some();
+        if stands_in {
             guess.reason.push_str("; TODO: measured, and taken for the command, as no other one moves");
         }
         taken.push((target.clone(), columns[guess.column].name.clone()));
-        columns[guess.column].role = Some(Role { target, settings: guess.settings, reason: guess.reason });
+        let (settings, reason) = (guess.settings, guess.reason);
+        columns[guess.column].role = Some(Role { target, settings, reason, stands_in });
     }
 }
 
@@ -191,8 +193,9 @@ fn of_dataset(index: usize, name: &str, degrees: bool) -> Option<First> {
 /// What only all columns together tell.
 fn settled_by_others(guesses: &mut [First]) {
     let count = |all: &[First], target: &str| all.iter().filter(|g| g.target == target).count();
-    // A drive whose only position is its motor's has no joint behind it.
-    if count(guesses, "joint_angle_rad") == 0 {
+    // A drive whose only position is its motor's has no joint behind it, unless a load cell or a spring does.
+    let springs = ["force_1_n", "spring_torque_nm", "spring_deflection_rad", "spring_deflection_m"];
+    if count(guesses, "joint_angle_rad") == 0 && !guesses.iter().any(|g| springs.contains(&g.target)) {
         guesses
             .iter_mut()
             .filter(|g| g.target == "motor_angle_rad" && g.rank > 0)
@@ -347,10 +350,15 @@ mod tests {
         ] {
             assert_eq!(of(&names), two, "{names:?}");
         }
+        let locked = ["time_s", "current_a", "force_1_n", "motor_angle_rad"];
+        assert_eq!(of(&["t", "i_q", "F_lc", "theta_m"]), locked);
         let expected = ["time_s", "joint_angle_rad", "temperature_c"];
-        for name in ["T_motor_C", "T_winding_C", "T [°C]"] {
+        for name in ["T_motor_C", "T_winding_C", "T [°C]", "T_winding", "T_mos"] {
             assert_eq!(of(&["t", "angle", name]), expected, "{name}");
         }
+        // It rises with time, and is none.
+        let rising = roles_of(&["t", "T_winding"], |r| 25.0 + 0.1 * r as f64);
+        assert_eq!(rising[1].1, "temperature_c");
         assert_eq!(of(&["t", "pos_m", "force_N"]), ["time_s", "position_m", "force_1_n"]);
     }
 
@@ -390,6 +398,8 @@ mod tests {
         assert_eq!(table("axis0.encoder.pos_estimate", slow), "unit = \"turn\"");
         assert_eq!(table("axis0.encoder.vel_estimate", wave), "unit = \"rev/s\"");
         assert_eq!(table("angle", |r| 100.0 * (r as f64).sin()), "unit = \"deg\"");
+        // A motor turns many times behind its gear.
+        assert_eq!(table("theta_m", |r| 25.3 * (r as f64).sin()), "");
         // 16384 counts a turn.
         let counts = |r: usize| (8191.5 + 8191.5 * (0.3 * r as f64).sin()).round();
         assert_eq!(table("encoder_counts", counts), "scale = 3.834952e-4");

@@ -1,5 +1,6 @@
 //! `sealegs import`: what is in other people's log files, and a first campaign file for them.
 
+mod load;
 mod parts;
 mod rig;
 mod robot;
@@ -7,13 +8,14 @@ mod robot;
 use crate::failure::{OrBadInput, bad_input};
 use crate::output::{Destination, NewFolder};
 use clap::Args;
+use load::Loads;
 use parts::{Parts, parts, runs_of_parts};
 use rig::rig;
 use robot::KnownRobot;
 use sealegs::diagnosis::text::figures;
 use sealegs::logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey_named};
 use sealegs::logs::{EPISODE, Log, Place, lerobot};
-use sealegs::sysid::campaign::INPUT_COLUMNS;
+use sealegs::sysid::campaign::{INPUT_COLUMNS, JOINT_COMMANDS};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::Write;
@@ -177,6 +179,18 @@ fn range(column: &ColumnSurvey) -> String {
     }
 }
 
+/// The joint before a channel's name.
+fn place_of(target: &str) -> &str {
+    target.rsplit_once('.').map_or("", |(joint, _)| joint)
+}
+
+/// The joint that a column commands, and does not only measure.
+fn commanded_joint(column: &ColumnSurvey) -> Option<&str> {
+    let role = column.role.as_ref().filter(|role| !role.stands_in)?;
+    let (joint, what) = role.target.rsplit_once('.')?;
+    JOINT_COMMANDS.contains(&what).then_some(joint)
+}
+
 /// Range, faults and likely role of a column.
 fn content(column: &ColumnSurvey) -> String {
     let mut said = range(column);
@@ -212,7 +226,8 @@ fn campaign(
         quoted(&name)
     );
     let urdf = robot.map(|robot| relative(folder, &robot.file)).transpose()?;
-    out.push_str(&rig(logs, urdf.as_deref()));
+    let loads = Loads::of(logs.iter().map(|(_, log, _)| log));
+    out.push_str(&rig(logs, urdf.as_deref(), loads.say_load()));
     let mut said: Vec<String> = Vec::new();
     for (_, log, _) in logs.iter().filter(|(_, log, _)| !log.constants.is_empty()) {
         let numbers = log.constants.iter().map(|(name, value)| format!("{name} = {}", short(*value, 6)));
@@ -250,8 +265,27 @@ fn campaign(
         }
     }
     let mut taken: Vec<(&str, &str)> = Vec::new();
+    // What one topic measures another one may command.
+    let goals: Vec<&ColumnSurvey> =
+        lines.values().copied().filter(|c| commanded_joint(c).is_some()).collect();
     for column in lines.values() {
-        let _ = writeln!(out, "{}", map(column, &mut taken));
+        let joint = column.role.as_ref().filter(|role| role.stands_in).map(|role| place_of(&role.target));
+        let other = joint.and_then(|joint| goals.iter().find(|c| commanded_joint(c) == Some(joint)));
+        match other {
+            Some(other) => {
+                let why = format!("measured; '{}' is the command", other.name);
+                let _ = writeln!(
+                    out,
+                    "# {} = \"\"   # {}; {}",
+                    quoted(&column.name),
+                    range(column),
+                    one_line(&why)
+                );
+            }
+            None => {
+                let _ = writeln!(out, "{}", map(column, &mut taken));
+            }
+        }
     }
     if let Some(parts) = parts(logs) {
         out.push_str(&one_run(folder, logs, &parts)?);
@@ -262,7 +296,7 @@ fn campaign(
     for run in &parted {
         let files = run.iter().map(|&i| Ok(quoted(&relative(folder, logs[i].0)?)));
         let files = files.collect::<anyhow::Result<Vec<_>>>()?.join(", ");
-        runs.push((logs[run[0]].0, format!("files = [{files}]\n")));
+        runs.push((logs[run[0]].0, format!("files = [{files}]\n{}", loads.lines(&logs[run[0]].1))));
     }
     for (file, log, _) in logs.iter().filter(|_| parted.is_empty()) {
         let name = quoted(&relative(folder, file)?);
@@ -271,7 +305,7 @@ fn campaign(
             let _ = write!(out, "\n# {name} has {} episodes; the first are below.\n", episodes.len());
         }
         match episodes.is_empty() {
-            true => runs.push((file, format!("file = {name}\n"))),
+            true => runs.push((file, format!("file = {name}\n{}", loads.lines(log)))),
             false => runs.extend(
                 episodes
                     .iter()

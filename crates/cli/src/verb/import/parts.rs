@@ -69,7 +69,8 @@ pub(super) fn parts(logs: &[(&Path, Log, Survey)]) -> Option<Parts> {
 }
 
 /// Which files are parts of one run each, where there are several runs: one of each has the command, and the others belong to that
-/// one which they share their time with. `None` where a file belongs to none of them, or to several.
+/// one which they share their time with; of several that one which is called alike, `chirp_link` as `chirp_motor`. `None` where a file
+/// belongs to none of them, or to several.
 pub(super) fn runs_of_parts(logs: &[(&Path, Log, Survey)]) -> Option<Vec<Vec<usize>>> {
     let all: Vec<Part> = logs.iter().map(|(_, log, found)| Part::of(log, found)).collect::<Option<_>>()?;
     let spans: Vec<(f64, f64)> = all.iter().map(Part::span_s).collect::<Option<_>>()?;
@@ -83,13 +84,21 @@ pub(super) fn runs_of_parts(logs: &[(&Path, Log, Survey)]) -> Option<Vec<Vec<usi
             share_time(&[spans[run[0]], spans[i]])
                 && run.iter().all(|&j| all[j].channels().is_disjoint(&all[i].channels()))
         };
-        let mut fitting = runs.iter_mut().filter(|run| shares(run));
-        match (fitting.next(), fitting.next()) {
-            (Some(run), None) => run.push(i),
+        let sharing: Vec<usize> = (0..runs.len()).filter(|&run| shares(&runs[run])).collect();
+        let alike = |&run: &usize| stem(logs[runs[run][0]].0) == stem(logs[i].0);
+        let called: Vec<usize> = sharing.iter().copied().filter(alike).collect();
+        match (&sharing[..], &called[..]) {
+            ([run], _) | (_, [run]) => runs[*run].push(i),
             _ => return None,
         }
     }
     Some(runs)
+}
+
+/// What a file is called without the last word, where it has several.
+fn stem(file: &Path) -> String {
+    let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    name.rsplit_once(['_', '-', '.']).map_or_else(|| name.clone(), |(stem, _)| stem.to_owned())
 }
 
 /// Whether files have equal time stamps, and no other column twice.

@@ -17,8 +17,9 @@ fn targets<'a>(logs: &'a [(&Path, Log, Survey)]) -> impl Iterator<Item = &'a str
     columns(logs).filter_map(|c| Some(c.role.as_ref()?.target.as_str()))
 }
 
-/// Bench and actuator that have such columns; the robot's, where its `urdf` is known.
-pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>) -> String {
+/// Bench and actuator that have such columns; the robot's, where its `urdf` is known. The load of a pendulum is left to be stated,
+/// unless the runs state it (`loads_are_said`).
+pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>, loads_are_said: bool) -> String {
     let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
     // A goal of the servo's own loop, or the voltage of its motor.
     let impedance = has("goal_speed_rad_s") || has("feedforward_nm");
@@ -66,7 +67,8 @@ pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>) -> String {
         return format!(
             "bench = \"robot\"            # columns that are called by a joint\n\
              {robot}{gravity}\
-             actuator = \"{drive}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n{loops}{constant}{pieces}"
+             actuator = \"{drive}\"  # TODO: the drive of its joints; where they differ, see [drive] of a robot's file\n{loops}{constant}{pieces}\
+             # An encoder on the motor's side of a gear is JOINT.motor_angle_rad, times the ratio where it is logged at the output.\n"
         );
     }
     let spring = ["spring_torque_nm", "spring_deflection_rad"].into_iter().any(has);
@@ -76,7 +78,7 @@ pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>) -> String {
         let sprung = if spring { "rmd-x8-rotary-sea" } else { "thor-linear" };
         let bench = if has("joint_angle_rad") { "pendulum" } else { "locked" };
         let load = match bench {
-            "pendulum" => {
+            "pendulum" if !loads_are_said => {
                 "mass_kg = 1.0              # TODO: the load of the pendulum, and its distance\nlength_m = 0.1\n"
             }
             _ => "",
@@ -87,11 +89,17 @@ pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>) -> String {
         )
     } else if has("joint_angle_rad") || has("motor_angle_rad") {
         let constant = constant("joint_torque_nm");
+        let load = match loads_are_said {
+            true => "",
+            false => {
+                "# TODO: the load of the pendulum, and its distance; a [[run]] may have its own. On the bench free: inertia_kg_m2.\n\
+                 mass_kg = 1.0\nlength_m = 0.1\n"
+            }
+        };
         format!(
             "bench = \"pendulum\"         # TODO: what it was recorded on: pendulum, free (nothing hangs on it), robot\n\
              actuator = \"{rotary}\"  # no spring is measured; TODO: a preset (`sealegs list`) or a file beside this one\n\
-             # TODO: the load of the pendulum, and its distance; a [[run]] may have its own. On the bench free: inertia_kg_m2.\n\
-             mass_kg = 1.0\nlength_m = 0.1\n{constant}"
+             {load}{constant}"
         )
     } else {
         "bench = \"free\"             # TODO: what it was recorded on: free (a carriage), locked, robot, leg\n\
