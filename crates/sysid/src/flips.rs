@@ -14,6 +14,9 @@ use nalgebra::DMatrix;
 /// Fit runs from which on one may be left out.
 pub const FEWEST_RUNS: usize = 3;
 
+/// Error over the noise floor up to which the base model leaves nothing of any split, as nothing more is searched up to it.
+const LEAVES_NOTHING: f64 = 1.01;
+
 /// What a split chooses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Split {
@@ -34,6 +37,10 @@ pub fn splits(found: &Found, named: usize, floor: f64) -> Option<Vec<Split>> {
             base.whole = found.base_as_searched.clone();
             base.with_all();
         }
+    }
+    // The steps of the search may have left what the model's own do not: other sets, fitted with those alone, took that.
+    if named == 0 && found.tried.first().is_some_and(|base| base.fit.error() <= LEAVES_NOTHING * floor) {
+        return Some((0..sets.first()?.runs.len()).map(|left_out| Split { left_out, chosen: 0 }).collect());
     }
     let equal = |i: usize| i == named || found.tied.contains(&i) || found.same.contains(&i);
     let others: Vec<usize> = (0..sets.len()).filter(|&i| !equal(i)).collect();
@@ -240,6 +247,17 @@ mod tests {
         let sets =
             vec![set(&campaign, &[], [1.0, 1.0, 20.0]), set(&campaign, &["friction"], [1.0, 1.0, 1.0])];
         assert_eq!(chosen(&found(sets, 1), 1), [1, 1, 0]);
+    }
+
+    #[test]
+    fn a_base_model_that_leaves_nothing_is_chosen_by_every_split() {
+        let campaign = toy();
+        for (left, chose) in [(3.0, [0, 0, 1]), (1.0, [0, 0, 0])] {
+            let mut base = set(&campaign, &[], [2.0, 2.0, 1.0]);
+            base.fit.evaluation.rms = left;
+            let sets = vec![base, set(&campaign, &["backlash"], [1.0, 1.0, 6.0])];
+            assert_eq!(chosen(&found(sets, 0), 0), chose, "{left}");
+        }
     }
 
     #[test]

@@ -16,8 +16,8 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What ends a channel's name that is at no limit where it stays at its extreme: what changes slowly, and a goal that pauses.
-const SLOW_OR_GOALS: [&str; 3] = ["temperature_c", "supply_v", "position_rad"];
+/// What ends a channel's name that is at no limit where it stays at its extreme: what changes slowly, a goal that pauses, a switch.
+const SLOW_OR_GOALS: [&str; 4] = ["temperature_c", "supply_v", "position_rad", "enable"];
 
 /// Check a campaign: signs, units and columns, clocks, gaps, saturation, noise, excitation, and what it can identify
 #[derive(Args)]

@@ -126,10 +126,15 @@ impl Confidence {
                         ));
                         reasons.extend(o.better_held_out(law.holdout_error));
                     }
-                    None => reasons.push(format!(
-                        "No known effect, alone or with others, lowers the error on the held-out runs enough to be named: {base} \
-                         noise units with the base model."
-                    )),
+                    None => {
+                        let which = match o.work.ended_early {
+                            true => "No effect that was fitted before the search was ended",
+                            false => "No known effect, alone or with others,",
+                        };
+                        reasons.push(format!(
+                            "{which} lowers the error on the held-out runs enough to be named: {base} noise units with the base model."
+                        ));
+                    }
                 }
                 // What the curve takes is described by the curve.
                 if o.law.as_ref().is_none_or(|law| law.explained < MOST_OF_IT) {

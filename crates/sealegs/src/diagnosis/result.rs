@@ -152,7 +152,10 @@ impl Ready {
             None => "There is nothing to tell apart, so no experiment is proposed.".to_owned(),
         };
         if matches!(kind, VerdictKind::Unexplained | VerdictKind::PartlyExplained) {
-            campaign.notes.extend(not_tried(model.as_ref()));
+            let channels =
+                campaign.runs.iter().flat_map(|run| &run.record.outputs).map(|s| s.channel.as_str());
+            let notes = not_tried(model.as_ref(), &channels.collect::<Vec<_>>());
+            campaign.notes.extend(notes);
         }
         let outcome = Outcome::new(&campaign, &found, (next, end.has_cut()), wrong, provenance);
         let (label, command) = (options.model.label(&campaign), options.command_of("sealegs::diagnose"));
@@ -163,13 +166,17 @@ impl Ready {
 
 /// What the catalogue does not offer a model, of what is common at joints: whoever reads that no effect explains the runs must
 /// not take it for excluded.
-fn not_tried(model: &dyn Model) -> Vec<String> {
+fn not_tried(model: &dyn Model, measured: &[&str]) -> Vec<String> {
     let cards = model.effects(&Excitation::default());
     let offers = |family: &str| cards.iter().any(|c| c.id.rsplit('/').next() == Some(family));
     let parted = "play and compliance between motor and joint were not tried: the bench states no load apart from what the drive \
                   moves itself";
     let mounted = "a mounting that yields (base-motion) was not tried: only benches of one drive with a series spring have it";
+    let at_joints = "encoders are taken to show the joints: one on the motor's side of a gear is motor_angle_rad (of a robot's joint \
+                     JOINT.motor_angle_rad), times the ratio where it is logged at the output; play behind it shows in no other way";
+    let shows = |ending: &str| measured.iter().any(|channel| channel.ends_with(ending));
     let notes = [
+        (offers("backlash") && shows("angle_rad") && !shows("motor_angle_rad")).then_some(at_joints),
         (!offers("backlash") && !offers("series-compliance")).then_some(parted),
         (!offers("base-motion")).then_some(mounted),
     ];
@@ -308,13 +315,17 @@ mod tests {
         let model = |preset, bench| {
             BenchModel::new(ActuatorSpec::preset(preset).expect("a preset"), bench).expect("a model")
         };
-        let bare = not_tried(&model("rigid-rotary", Bench::Free { load: 0.0 }));
+        let bare = not_tried(&model("rigid-rotary", Bench::Free { load: 0.0 }), &["joint_angle_rad"]);
         assert!(
             bare.len() == 2 && bare[0].contains("no load") && bare[1].contains("base-motion"),
             "{bare:?}"
         );
-        let loaded = not_tried(&model("rigid-rotary", Bench::Free { load: 0.1 }));
-        assert!(loaded.len() == 1 && loaded[0].contains("base-motion"), "{loaded:?}");
-        assert!(not_tried(&model("thor-linear", Bench::Locked)).is_empty());
+        let loaded =
+            |measured: &str| not_tried(&model("rigid-rotary", Bench::Free { load: 0.1 }), &[measured]);
+        let behind = loaded("joint_angle_rad");
+        assert!(behind.len() == 2 && behind[0].contains("JOINT.motor_angle_rad"), "{behind:?}");
+        let before = loaded("motor_angle_rad");
+        assert!(before.len() == 1 && before[0].contains("base-motion"), "{before:?}");
+        assert!(not_tried(&model("thor-linear", Bench::Locked), &["motor_angle_rad"]).is_empty());
     }
 }

@@ -59,6 +59,10 @@ pub(super) fn sentence(o: &Outcome) -> String {
             said(after.holdout_error),
             percent(o.unexplained_share)
         ),
+        _ if o.work.ended_early => format!(
+            "Unexplained so far: the base model leaves an error of {base} noise units on the held-out runs (noise floor \
+             {floor:.2}), and no effect that was fitted before the search was ended explains that.{pictured}{law}"
+        ),
         _ => format!(
             "Unexplained: the base model leaves an error of {base} noise units on the held-out runs (noise \
              floor {floor:.2}), and no known effect, alone or with others, explains that.{pictured}{law}"
