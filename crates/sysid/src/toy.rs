@@ -1,22 +1,78 @@
 //! A closed-form model for tests: a driven mass, spring and damper, discretised exactly.
 //!
 //! `m x'' + c x' + k x = u` under a zero-order held force, `x` measured as `spring_deflection_m` and
-//! `k x` as `force_1_n`. Its one effect, `cubic-sensor`, adds `a (k x)^3` to the force channel.
+//! `k x` as `force_1_n`. Its effects are laws of the force's sensor, which add to that channel: `cubic-sensor`, `a (k x)^3`,
+//! and where it is asked for [`LAWS`], of which any one can be told from the others.
 
 use sealegs_model::{
     EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
 };
 
+/// What a sensor adds to a force, by the values of its parameters.
+#[derive(Debug)]
+pub(crate) struct Law {
+    pub id: &'static str,
+    /// Its amplitude, where a fit starts.
+    amplitude: f64,
+    /// Its exponent, where a fit starts, if that is not known.
+    exponent: Option<f64>,
+    adds: fn(&[f64], f64) -> f64,
+}
+
+const CUBIC: Law = Law { id: "cubic-sensor", amplitude: 1e-4, exponent: None, adds: |a, f| a[0] * f.powi(3) };
+
+/// All laws that the toy has.
+pub(crate) const LAWS: [Law; 4] = [
+    CUBIC,
+    Law { id: "square-sensor", amplitude: 1e-3, exponent: None, adds: |a, f| a[0] * f * f.abs() },
+    Law { id: "even-sensor", amplitude: 1e-3, exponent: None, adds: |a, f| a[0] * f * f },
+    Law {
+        id: "power-sensor",
+        amplitude: 1e-2,
+        exponent: Some(1.5),
+        adds: |a, f| a[0] * f.signum() * f.abs().powf(a[1]),
+    },
+];
+
+impl Law {
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut amplitude = Parameter::new(format!("{}.a", self.id), "N", self.amplitude, -1.0, 1.0);
+        amplitude.neutral = Some(0.0);
+        let exponent = self.exponent.map(|p| Parameter::new(format!("{}.p", self.id), "1", p, 0.2, 5.0));
+        std::iter::once(amplitude).chain(exponent).collect()
+    }
+
+    fn card(&self) -> EffectCard {
+        EffectCard {
+            id: self.id.into(),
+            summary: "a sensor that is not linear".into(),
+            acts_on: "sensor".into(),
+            equation: "F + a F^p".into(),
+            validity: "any".into(),
+            reference: "none".into(),
+            symbols: "a: its gain".into(),
+            told_apart: "alone".into(),
+            cure: "another sensor".into(),
+            parameters: self.parameters(),
+            passive: true,
+            becomes: None,
+        }
+    }
+}
+
 #[derive(Debug, Clone)]
 pub(crate) struct Toy {
     pub parameters: Vec<Parameter>,
-    /// Amplitude and period of a wave along the effect's parameter, which gives the error many minima.
+    /// The laws that it offers as effects.
+    pub laws: &'static [Law],
+    /// Those that it has.
+    with: Vec<&'static Law>,
+    /// Amplitude and period of a wave along the first law's amplitude, which gives the error many minima.
     pub wave: (f64, f64),
     /// Factor of the mass in a coarser copy, the error of its steps; where it is not 1 there is an observer that does as the model does.
     pub coarser_by: f64,
     /// The same in this copy.
     by: f64,
-    cubic: bool,
 }
 
 impl Toy {
@@ -27,7 +83,25 @@ impl Toy {
             Parameter::new("stiffness", "N/m", 400.0, 50.0, 2000.0),
         ];
         parameters[1].scale = sealegs_model::Scale::Logarithmic;
-        Self { parameters, wave: (0.0, 1.0), coarser_by: 1.0, by: 1.0, cubic: false }
+        let (laws, with) = (std::slice::from_ref(&CUBIC), Vec::new());
+        Self { parameters, laws, with, wave: (0.0, 1.0), coarser_by: 1.0, by: 1.0 }
+    }
+}
+
+impl Toy {
+    /// What its laws add to a force.
+    fn added(&self, values: &[f64], force: f64) -> f64 {
+        let (mut at, mut added) = (3, 0.0);
+        for (i, law) in self.with.iter().enumerate() {
+            let mut own = values[at..at + law.parameters().len()].to_vec();
+            if i == 0 {
+                let (amplitude, period) = self.wave;
+                own[0] += amplitude * (std::f64::consts::TAU * own[0] / period).sin();
+            }
+            added += (law.adds)(&own, force);
+            at += own.len();
+        }
+        added
     }
 }
 
@@ -45,35 +119,18 @@ impl Model for Toy {
         matches!(channel, "spring_deflection_m" | "force_1_n")
     }
     fn included(&self) -> Vec<String> {
-        if self.cubic { vec!["cubic-sensor".into()] } else { Vec::new() }
+        self.with.iter().map(|law| law.id.into()).collect()
     }
     fn effects(&self, _seen: &Excitation) -> Vec<EffectCard> {
-        if self.cubic {
-            return Vec::new();
-        }
-        let mut parameter = Parameter::new("cubic-sensor.a", "1/N^2", 1e-4, -1.0, 1.0);
-        parameter.neutral = Some(0.0);
-        vec![EffectCard {
-            id: "cubic-sensor".into(),
-            summary: "a sensor that stiffens".into(),
-            acts_on: "sensor".into(),
-            equation: "F + a F^3".into(),
-            validity: "any".into(),
-            reference: "none".into(),
-            symbols: "a: cubic gain".into(),
-            told_apart: "alone".into(),
-            cure: "another sensor".into(),
-            parameters: vec![parameter],
-            passive: true,
-            becomes: None,
-        }]
+        let free = |law: &&Law| self.with.iter().all(|with| with.id != law.id);
+        self.laws.iter().filter(free).map(Law::card).collect()
     }
-    fn with_effect(&self, id: &str, seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {
-        let card = self.effects(seen).into_iter().find(|c| c.id == id);
-        let card = card.ok_or(ModelError::UnknownEffect { id: id.into(), suggestion: None })?;
+    fn with_effect(&self, id: &str, _seen: &Excitation) -> Result<Box<dyn Model>, ModelError> {
+        let law = self.laws.iter().find(|law| law.id == id);
+        let law = law.ok_or(ModelError::UnknownEffect { id: id.into(), suggestion: None })?;
         let mut with = self.clone();
-        with.parameters.extend(card.parameters);
-        with.cubic = true;
+        with.parameters.extend(law.parameters());
+        with.with.push(law);
         Ok(Box::new(with))
     }
     fn predict(
@@ -90,13 +147,18 @@ impl Model for Toy {
         })?;
         let (mut x, mut v) = (0.0, 0.0);
         let (mut position, mut speed) = (Vec::new(), Vec::new());
+        let mut step = (0.0, nalgebra::Matrix3::identity());
         for i in 0..record.len() {
             position.push(x);
             speed.push(v);
             let Some(next) = record.time_s.get(i + 1) else { break };
             let dt = next - record.time_s[i];
-            let a = nalgebra::Matrix3::new(0.0, 1.0, 0.0, -k / m, -c / m, 1.0 / m, 0.0, 0.0, 0.0) * dt;
-            let s = a.exp() * nalgebra::Vector3::new(x, v, force[i]);
+            // The same for steps that differ by rounding alone.
+            if (dt - step.0).abs() > 1e-9 * dt {
+                let a = nalgebra::Matrix3::new(0.0, 1.0, 0.0, -k / m, -c / m, 1.0 / m, 0.0, 0.0, 0.0);
+                step = (dt, (a * dt).exp());
+            }
+            let s = step.1 * nalgebra::Vector3::new(x, v, force[i]);
             (x, v) = (s[0], s[1]);
             if !x.is_finite() {
                 return Err(ModelError::NotFinite { time_s: *next, what: "x".into() });
@@ -108,13 +170,7 @@ impl Model for Toy {
             .map(|channel| {
                 let values = match channel.as_str() {
                     "spring_deflection_m" => position.clone(),
-                    "force_1_n" if self.cubic => {
-                        let (amplitude, period) = self.wave;
-                        let cubic =
-                            values[3] + amplitude * (std::f64::consts::TAU * values[3] / period).sin();
-                        load.iter().map(|f| f + cubic * f.powi(3)).collect()
-                    }
-                    "force_1_n" => load.clone(),
+                    "force_1_n" => load.iter().map(|f| f + self.added(values, *f)).collect(),
                     _ => return Err(ModelError::UnknownChannel { channel: channel.clone() }),
                 };
                 Ok(Signal { channel: channel.clone(), values })
@@ -151,6 +207,19 @@ pub(crate) fn run(
     gain_bias: (f64, f64),
     gain_x: f64,
 ) -> Record {
+    distorted(values, n, seed, noise_std, gain_bias, gain_x, &|_, f| f)
+}
+
+/// The same with a force sensor that shows something else than the force, by time and force.
+pub(crate) fn distorted(
+    values: &[f64],
+    n: usize,
+    seed: u64,
+    noise_std: (f64, f64),
+    gain_bias: (f64, f64),
+    gain_x: f64,
+    shows: &dyn Fn(f64, f64) -> f64,
+) -> Record {
     let mut noise = Noise::new(seed);
     let mut level = 0.0;
     let force: Vec<f64> = (0..n)
@@ -171,8 +240,8 @@ pub(crate) fn run(
     };
     let channels = ["force_1_n".to_owned(), "spring_deflection_m".to_owned()];
     let mut truth = Toy::new().predict(values, &record, &channels).unwrap().outputs;
-    for v in &mut truth[0].values {
-        *v = gain_bias.0 * *v + gain_bias.1 + noise_std.0 * noise.normal();
+    for (v, t) in truth[0].values.iter_mut().zip(&record.time_s) {
+        *v = gain_bias.0 * shows(*t, *v) + gain_bias.1 + noise_std.0 * noise.normal();
     }
     for v in &mut truth[1].values {
         *v = gain_x * *v + noise_std.1 * noise.normal();

@@ -49,10 +49,6 @@ use std::sync::Arc;
 /// The integrator's greatest step, s, unless another is asked for.
 pub const DEFAULT_STEP_S: f64 = 1e-4;
 
-/// Integration steps per sampling period of a drive without a spring under an observer, which pulls its motion to every row: only a
-/// servo's loop, which runs within a row, needs the model's own. As many as a search takes.
-pub const OBSERVED_STEPS_PER_SAMPLE: f64 = 4.0;
-
 /// An included effect: which one, at which sensor if narrowed down, and where its parameters begin.
 #[derive(Debug, Clone)]
 struct Included {
@@ -462,9 +458,7 @@ impl Model for BenchModel {
 
     fn observing(&self, records: &[&Record]) -> Option<Box<dyn Model>> {
         let observed = observed::Observed::of(records, self.spec.is_rigid())?;
-        let coarse = (self.spec.is_rigid() && self.spec.servo.is_none()).then_some(OBSERVED_STEPS_PER_SAMPLE);
-        let steps_per_sample = self.steps_per_sample.or(coarse);
-        Some(Box::new(Self { observed: Some(Arc::new(observed)), steps_per_sample, ..self.clone() }))
+        Some(Box::new(Self { observed: Some(Arc::new(observed)), ..self.clone() }))
     }
 
     fn knowing(&self, law: &Law) -> Option<Box<dyn Model>> {

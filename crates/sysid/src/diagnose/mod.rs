@@ -17,6 +17,8 @@ mod policy;
 mod refine;
 mod screen;
 mod search;
+#[cfg(test)]
+mod tests;
 
 pub use candidate::compare::clearly_better;
 pub use candidate::validation::Validation;
@@ -230,19 +232,7 @@ fn search<'a>(
     ports: Vec<Port>,
     tell: &'a Tell<'a>,
 ) -> (Found, Option<free_form::Fitted>, Vec<Port>, Models<'a>) {
-    let admitted = models.exact.effects(&models.seen).into_iter().map(|c| c.id).collect();
-    let mut search = search::Search {
-        models,
-        admitted,
-        tried: vec![first],
-        promises: Vec::new(),
-        observed: Vec::new(),
-        fitted_anew: Vec::new(),
-        screened: Vec::new(),
-        ports,
-        curve: None,
-        tell,
-    };
+    let mut search = search::Search::new(models, first, ports, tell);
     let best = search.run();
     let base_as_searched = search.tried[0].validation.clone();
     let best = search.without_contained(best);

@@ -100,7 +100,7 @@ policy! {
     /// still two thirds of what is known.
     FOLDS = 3.0;
     /// Integration steps of an actuator after which sets only grow, up to pairs, and no further looks are taken: half as many again as
-    /// until the latest of 70 right sets was found, three effects at once on a pendulum (0.98e9; half of all were found within 0.1e9).
+    /// until the latest of 66 right sets was found, three effects at once on a pendulum (0.98e9; half of all were found within 0.1e9).
     LONG_SEARCH = 1.5e9;
     /// Members of a set that is grown under the observer alone: what leaves something with as many is searched in open loop.
     SEEN_TOGETHER = 3.0;

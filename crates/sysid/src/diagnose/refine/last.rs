@@ -10,8 +10,8 @@ use crate::diagnose::policy::{
     DEAR_STEPS, FAR_FROM_KNOWN, FREED_ROUNDS, HALF_STEPS, NEAR_FLOOR, NOTHING_MORE, WORTH_SQUARED_NOISE,
 };
 use crate::diagnose::refine::Seen;
-use crate::diagnose::{Candidate, values_by_name, with_effects};
-use crate::fit::{self, Difference, EQUAL_COST, Fit, FitOptions, KnownColumns};
+use crate::diagnose::{Candidate, with_effects};
+use crate::fit::{self, Difference, Fit, FitOptions, KnownColumns};
 use sealegs_model::{Model, Parameter};
 use std::sync::Arc;
 
@@ -103,14 +103,6 @@ impl Models<'_> {
         again.filter(|again| again.fit.cost < set.fit.cost)
     }
 
-    /// The base model fitted again from a set's base values, where it leaves less there without the set's effects: its own fit had
-    /// stopped short, and with any effect at all a fit found the way on.
-    pub(crate) fn led_on(&self, base: &Candidate, set: &Candidate) -> Option<Candidate> {
-        let start = values_by_name(base.model.as_ref(), &set.known());
-        let there = self.data.evaluate(base.model.as_ref(), &start).ok()?;
-        if there.cost < base.fit.cost - EQUAL_COST { self.finished_from(base, start) } else { None }
-    }
-
     /// A last fit, or that through ever longer beginnings of the runs, where derivatives are dear, it leaves something and that
     /// leaves less: other steps than the search's put the minimum of a rugged error elsewhere.
     fn through_beginnings_at_last(&self, set: &Candidate, model: &dyn Model, fit: Fit) -> Fit {
@@ -170,36 +162,5 @@ impl Models<'_> {
             fit::fit(self.data, model, &options).ok()
         };
         fit::along_units(self.data, model, fit, &count::held(model), refit)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::Role;
-    use crate::data::Data;
-    use crate::diagnose::{Candidate, Models};
-    use crate::fit::{Difference, at_values};
-    use crate::toy::{Toy, campaign, run};
-    use sealegs_model::{Excitation, Model};
-
-    #[test]
-    fn a_base_fit_that_stopped_short_goes_on_from_where_an_idle_effect_led_and_one_at_its_end_stays() {
-        let noise = (0.2, 0.001);
-        let record = run(&[1.0, 4.0, 400.0], 800, 3, noise, (1.0, 0.0), 1.0);
-        let campaign = campaign(vec![(Role::Fit, record)], noise);
-        let toy = Toy::new();
-        let data = Data::new(&campaign, Some(Role::Fit), &toy).expect("a fit run");
-        let models = Models::new(&data, &toy);
-        let at = |model: Box<dyn Model>, effects: &[&str], values: &[f64]| {
-            let fit = at_values(&data, model.as_ref(), values, Difference::Central).expect("a simulation");
-            Candidate::exactly(&data, effects.iter().map(|&e| e.into()).collect(), model, fit)
-        };
-        let short = at(toy.clone_box(), &[], &[1.0, 4.0, 480.0]);
-        let with = toy.with_effect("cubic-sensor", &Excitation::default()).expect("its one effect");
-        let idle = at(with.clone_box(), &["cubic-sensor"], &[1.0, 4.0, 405.0, 0.0]);
-        let led_on = models.led_on(&short, &idle).expect("a lower place");
-        assert!((led_on.fit.values[2] - 400.0).abs() < 2.0, "{}", led_on.fit.values[2]);
-        let worse = at(with, &["cubic-sensor"], &[1.0, 4.0, 480.0, 1e-3]);
-        assert!(models.led_on(&led_on, &worse).is_none());
     }
 }

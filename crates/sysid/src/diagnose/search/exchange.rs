@@ -18,7 +18,8 @@ impl Search<'_> {
         if rest.is_empty() || !clearly_better(&self.tried[index], whole, floor) {
             return Some(index);
         }
-        let again = self.models.fitted(whole, rest, &whole.known(), None);
+        let known = self.merged_with_base(whole, rest).unwrap_or_else(|| whole.known());
+        let again = self.models.fitted(whole, rest, &known, None);
         let again = again.map(|again| if self.models.dear { again } else { self.models.settled(again).0 });
         Some(again.map_or(index, |again| self.kept(again)))
     }
@@ -198,5 +199,83 @@ impl Search<'_> {
             return None;
         }
         self.observing(&Candidate { effects: effects.to_vec(), ..set.clone() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Search;
+    use crate::Role;
+    use crate::data::Data;
+    use crate::diagnose::refine::Models;
+    use crate::diagnose::tests::{runs, toy};
+
+    /// What `of` says of a search on the toy, whose force sensor shows something else than the force.
+    fn search<T>(shows: impl Fn(f64, f64) -> f64, of: impl Fn(&mut Search) -> T) -> T {
+        let (campaign, toy) = (runs(shows), toy());
+        let data = Data::new(&campaign, Some(Role::Fit), &toy).expect("fit runs");
+        let mut models = Models::new(&data, &toy);
+        let base = models.base().expect("a fit");
+        of(&mut Search::new(models, base, Vec::new(), &|_, _| ()))
+    }
+
+    /// Index of a set, fitted from the base model.
+    fn fitted(search: &mut Search, effects: &[&str]) -> usize {
+        let effects: Vec<String> = effects.iter().map(|&e| e.to_owned()).collect();
+        search.index_of(&effects, 0).expect("a fit")
+    }
+
+    #[test]
+    fn a_member_that_is_not_needed_leaves_and_one_that_is_stays() {
+        for (even, left) in [(0.0, &["cubic-sensor"][..]), (0.02, &["cubic-sensor", "even-sensor"])] {
+            let effects = search(
+                |_, f| f + 1e-3 * f.powi(3) + even * f * f,
+                |search| {
+                    let both = fitted(search, &["cubic-sensor", "even-sensor"]);
+                    let best = search.pruned(both);
+                    search.tried[best].effects.clone()
+                },
+            );
+            assert_eq!(effects, left, "{even}");
+        }
+    }
+
+    #[test]
+    fn a_rival_takes_the_place_of_a_member_that_is_not_there() {
+        let effects = search(
+            |_, f| f + 1e-3 * f.powi(3) + 0.02 * f * f,
+            |search| {
+                let base = search.tried[0].clone();
+                search.screened_beside(&base);
+                let wrong = fitted(search, &["square-sensor", "even-sensor"]);
+                let best = search.exchanged(wrong);
+                search.tried[best].effects.clone()
+            },
+        );
+        assert_eq!(effects, ["cubic-sensor", "even-sensor"]);
+    }
+
+    #[test]
+    fn a_rival_of_several_parameters_is_fitted_from_every_start_where_a_set_leaves_something() {
+        let law = |f: f64| f + 0.05 * f.signum() * f.abs().powf(2.5);
+        let asked = |shows: &dyn Fn(f64) -> f64| {
+            search(
+                |_, f| shows(f),
+                |search| {
+                    let alone = fitted(search, &["power-sensor"]);
+                    let cubic = fitted(search, &["cubic-sensor"]);
+                    // As after a fit that rests in a minimum of its own.
+                    search.tried[alone].fit.cost = search.tried[0].fit.cost;
+                    let anew = search.rivals_anew(cubic);
+                    let fits: Vec<(usize, f64)> =
+                        anew.iter().map(|&i| (i, search.tried[i].fit.error())).collect();
+                    (alone, fits)
+                },
+            )
+        };
+        let (alone, fits) = asked(&law);
+        assert!(matches!(fits[..], [(i, error)] if i == alone && error < 1.05), "{fits:?}");
+        // A set that leaves nothing has no rivals.
+        assert!(asked(&|f| f + 1e-3 * f.powi(3)).1.is_empty());
     }
 }

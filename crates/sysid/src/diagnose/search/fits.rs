@@ -133,14 +133,6 @@ impl Search<'_> {
         }
         fitted.extend(rest);
         self.no_worse_than_parts(&mut fitted);
-        // The only one has had another choice already.
-        let several = fitted.len() > 1;
-        let least = |n: &Candidate| (n.effects.len(), n.fit.cost);
-        let fewest = fitted.iter_mut().reduce(|a, b| if least(b) < least(a) { b } else { a });
-        if let Some(fewest) = fewest.filter(|_| !settled && !models.dear && several) {
-            // A choice that is wrong beside it may look like one effect more.
-            self.with_its_choice(fewest);
-        }
         self.tried.extend(fitted);
         first..self.tried.len()
     }
@@ -184,14 +176,11 @@ impl Search<'_> {
             return false;
         }
         let best = fitted.iter_mut().reduce(|a, b| if b.fit.cost < a.fit.cost { b } else { a });
-        best.is_some_and(|best| self.with_its_choice(best))
-    }
-
-    /// Fits a set under the base model's other discrete choices; whether another one is better.
-    fn with_its_choice(&self, set: &mut Candidate) -> bool {
-        let before = set.fit.cost;
-        *set = self.models.settled(set.clone()).0;
-        set.fit.cost < before - EQUAL_COST
+        best.is_some_and(|best| {
+            let before = best.fit.cost;
+            *best = self.models.settled(best.clone()).0;
+            best.fit.cost < before - EQUAL_COST
+        })
     }
 
     /// Fits a set again, as [`Models::grown`] from the one that it grew from, where it leaves something: what rests at the

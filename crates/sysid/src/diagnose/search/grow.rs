@@ -96,6 +96,11 @@ impl Search<'_> {
         let most = LEFT_SHARE * excess(beside.fit.error(), floor);
         let may_explain = |error: f64| error <= MAY_EXPLAIN * floor || excess(error, floor) <= most;
         while beside.fit.error() > NEAR_FLOOR * floor && !self.is_long() {
+            // What these steps leave beside it would be taken for another effect.
+            if !beside.effects.is_empty() && self.models.refine_where_steps_show(&beside) {
+                (self.observed, self.screened) = (Vec::new(), Vec::new());
+                beside = self.observing(&beside)?;
+            }
             let plans = self.screened_beside(&beside).plans(f64::INFINITY, true);
             let left = beside.cost_above(floor);
             let promised = plans.iter().map(|plan| plan.drop).fold(0.0, f64::max);

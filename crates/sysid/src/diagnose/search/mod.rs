@@ -70,14 +70,29 @@ pub(crate) struct Search<'a> {
     pub tell: &'a Tell<'a>,
 }
 
+impl<'a> Search<'a> {
+    /// A search from a fitted base model, of which the ports show what is missing.
+    pub fn new(models: Models<'a>, base: Candidate, ports: Vec<Port>, tell: &'a Tell<'a>) -> Self {
+        Self {
+            admitted: models.exact.effects(&models.seen).into_iter().map(|c| c.id).collect(),
+            models,
+            tried: vec![base],
+            promises: Vec::new(),
+            observed: Vec::new(),
+            fitted_anew: Vec::new(),
+            screened: Vec::new(),
+            ports,
+            curve: None,
+            tell,
+        }
+    }
+}
+
 impl Search<'_> {
     /// Grows, exchanges and prunes from the base model (`tried[0]`); the index of the best set. Before a pair grows further, or
     /// a curve has the last word, what is screened badly is fitted alone: it may explain what three others do not.
     pub fn run(&mut self) -> usize {
         let (mut best, mut ended) = self.grown_from_base();
-        if self.lead_base_on(best) {
-            (best, ended) = self.grown_from_base();
-        }
         self.look_for_curve(best);
         let by_curve = ended == Ended::Curve || self.curve_beats(best);
         if by_curve || ended != Ended::AtLast {
@@ -121,15 +136,6 @@ impl Search<'_> {
             Some(explained) => self.grown_from(explained, MOST_EFFECTS as usize),
             None => self.grown_from(0, PAIR as usize),
         }
-    }
-
-    /// Leads the base model on from a set's base values, and forgets what was screened beside it, where that is better. Returns
-    /// whether it is.
-    fn lead_base_on(&mut self, by: usize) -> bool {
-        let Some(led_on) = self.models.led_on(&self.tried[0], &self.tried[by]) else { return false };
-        self.tried[0] = led_on;
-        self.screened.retain(|(beside, _)| !beside.is_empty());
-        true
     }
 
     /// Whether so much was simulated that sets only grow from now on, up to pairs: where nothing explains the runs, every further

@@ -94,6 +94,18 @@ impl Models<'_> {
 }
 
 impl Search<'_> {
+    /// Values of a set, with the strength of a law that is not in its rest added to that of the simpler one which the base model
+    /// has: such a law takes what the simpler one lacks, and a fit without it does not find the way there. `None` where there is none.
+    pub(crate) fn merged_with_base(&self, whole: &Candidate, rest: &[String]) -> Option<Known> {
+        let (cards, included) = (self.models.exact.effects(&self.models.seen), self.models.exact.included());
+        whole.effects.iter().filter(|e| !rest.contains(e)).find_map(|leaving| {
+            let card = cards.iter().find(|c| c.id == *leaving)?;
+            let simple = simpler_id(card, card.becomes.as_ref()?);
+            let own = whole.model.parameters();
+            included.contains(&simple).then(|| with_strength_of(own, &whole.fit.values, &simple, leaving))?
+        })
+    }
+
     /// A set without the members whose law another member contains (dry friction beside one that has a Stribeck effect), the
     /// other one taking over their strength, unless that is clearly worse: a fit that begins at the other one's own strength
     /// does not find the way there.
@@ -120,12 +132,12 @@ impl Search<'_> {
     }
 }
 
-/// Values by name, with the strength of a simple law added to those of a richer one that are in the same unit.
-fn with_strength_of(parameters: &[Parameter], values: &[f64], richer: &str, simple: &str) -> Option<Known> {
+/// Values by name, with the strength of a law that leaves added to those of another one that are in the same unit.
+fn with_strength_of(parameters: &[Parameter], values: &[f64], stays: &str, leaves: &str) -> Option<Known> {
     let all = || parameters.iter().zip(values);
     let is_of = |p: &Parameter, effect: &str| symbol(&p.name, effect).is_some() && is_amplitude(p);
-    let (simple, strength) = all().find(|(p, _)| is_of(p, simple))?;
-    let takes = |p: &Parameter| is_of(p, richer) && p.unit == simple.unit;
+    let (leaving, strength) = all().find(|(p, _)| is_of(p, leaves))?;
+    let takes = |p: &Parameter| is_of(p, stays) && p.unit == leaving.unit;
     Some(all().map(|(p, v)| (p.name.clone(), if takes(p) { v + strength } else { *v })).collect())
 }
 
