@@ -461,14 +461,17 @@ fn a_measured_torque_is_no_command_where_another_topic_has_the_goal() {
     let write = |name: &str, header: &str| {
         let row = |i: u32| {
             let x = (0.3 * f64::from(i)).sin();
-            format!("{},{x},{}\n", 0.01 * f64::from(i), 0.7 * x)
+            let columns = header.split(',').count();
+            let cells: Vec<String> = (1..columns).map(|k| (x * k as f64).to_string()).collect();
+            format!("{},{}\n", 0.01 * f64::from(i), cells.join(","))
         };
         let file = folder.path().join(name);
         std::fs::write(&file, format!("{header}\n{}", (0..40).map(row).collect::<String>())).unwrap();
         file
     };
-    let state = write("state.csv", "t,haa_joint_position,haa_joint_effort");
-    let goal = write("goal.csv", "t,haa_joint_position_des,haa_joint_velocity_des");
+    let measured = "t,haa_joint_position,hfe_joint_position,haa_joint_effort,hfe_joint_effort";
+    let state = write("state.csv", measured);
+    let goal = write("goal.csv", "t,haa_joint_position_des,hfe_joint_position_des");
     let out = folder.path().join("leg");
     said(&["import", text(&state), text(&goal), "-o", text(&out)]);
     let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
