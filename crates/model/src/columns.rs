@@ -29,6 +29,13 @@ pub const BESIDE: [&str; 7] = [ENABLE, SUPPLY, TEMPERATURE, GOAL_SPEED, FEEDFORW
 /// Commands to a joint of a robot, behind the joint's name and a dot; the goal of a servo's own loop is the last.
 pub const JOINT_COMMANDS: [&str; 5] = ["torque_nm", "force_n", "current_a", "voltage_v", "position_rad"];
 
+/// The joint that a robot's channel commands: `knee` of `knee.torque_nm`.
+#[must_use]
+pub fn commanded_joint(channel: &str) -> Option<&str> {
+    let (joint, what) = channel.rsplit_once('.')?;
+    JOINT_COMMANDS.contains(&what).then_some(joint)
+}
+
 /// What a bench's sensors may have recorded.
 pub const OUTPUTS: [&str; 11] = [
     "force_1_n",

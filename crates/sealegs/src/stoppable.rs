@@ -23,7 +23,7 @@ impl SearchEnd {
     }
 
     /// Says whether the search is under way now.
-    pub fn is_under_way(&self, now: bool) {
+    pub fn set_under_way(&self, now: bool) {
         self.under_way.store(now, Ordering::Relaxed);
     }
 
@@ -133,15 +133,15 @@ mod tests {
         let late = SearchEnd::new(&options, Some(Instant::now()));
         // Before it is under way nothing is refused.
         assert!(!late.refuses() && !late.has_cut());
-        late.is_under_way(true);
+        late.set_under_way(true);
         assert!(late.refuses() && late.has_cut());
         let next = SearchEnd::new(&options, None);
-        next.is_under_way(true);
+        next.set_under_way(true);
         assert!(!next.refuses());
         // A handle's word is for all of its work.
         options.stop_handle().end_search();
         assert!(next.refuses() && next.has_cut());
-        next.is_under_way(false);
+        next.set_under_way(false);
         assert!(!next.refuses());
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! `m x'' + c x' + k x = u` under a zero-order held force, `x` measured as `spring_deflection_m` and
 //! `k x` as `force_1_n`. Its effects are laws of the force's sensor, which add to that channel: `cubic-sensor`, `a (k x)^3`,
-//! and where it is asked for [`LAWS`], of which any one can be told from the others.
+//! and where it is asked for [`LAWS`], of which the last one contains two others.
 
 use sealegs_model::{
     EffectCard, Excitation, InputHold, Model, ModelError, Parameter, Prediction, Record, Signal, internal,
@@ -86,9 +86,7 @@ impl Toy {
         let (laws, with) = (std::slice::from_ref(&CUBIC), Vec::new());
         Self { parameters, laws, with, wave: (0.0, 1.0), coarser_by: 1.0, by: 1.0 }
     }
-}
 
-impl Toy {
     /// What its laws add to a force.
     fn added(&self, values: &[f64], force: f64) -> f64 {
         let (mut at, mut added) = (3, 0.0);

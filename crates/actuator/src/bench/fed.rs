@@ -1,6 +1,6 @@
 //! What a record tells a drive, and feeds it with, over the steps of a grid.
 
-use crate::plant::{Feed, Grid, Plant, at_step_starts, mean_per_step};
+use crate::plant::{Feed, Grid, Plant, after, at_step_starts, mean_per_step};
 use sealegs_model::columns::{ENABLE, FEEDFORWARD, GOAL_SPEED, GRAVITY, SUPPLY, TEMPERATURE};
 use sealegs_model::{InputHold, Record};
 use std::borrow::Cow;
@@ -57,8 +57,7 @@ impl Fed {
         let beside_goal = |name: &str| beside(name).filter(|_| commands_torque).map(commanded);
         // The signal that switches the drive on comes as late as the command, the supply is measured.
         let switched = |on| {
-            let (mut late, mut unused) = (told.to_vec(), command.to_vec());
-            stages.iter().for_each(|stage| stage.apply(&mut late, &mut unused));
+            let (late, _) = after(stages, told, command);
             held(&late, on)
         };
         let felt = plant.laws.rotor_friction.iter().any(|law| law.feels_temperature());

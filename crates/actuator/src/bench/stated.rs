@@ -22,17 +22,9 @@ impl BenchModel {
             *self = self.including_stated(effect).map_err(|e| {
                 unknown("id".to_owned(), &effect.id, format!("an effect of the catalogue: {e}"))
             })?;
-            for (name, given) in &effect.parameters {
-                let full = format!("{}.{name}", effect.id);
-                let own = &mut self.parameters[before..];
-                let Some(parameter) = own.iter_mut().find(|p| p.name == full) else {
-                    let all: Vec<&str> =
-                        own.iter().filter_map(|p| Some(p.name.rsplit_once('.')?.1)).collect();
-                    let admitted = format!("a parameter of this effect: {}", all.join(", "));
-                    return Err(unknown(full, name, admitted));
-                };
-                effect.state(*given, parameter);
-            }
+            effect.state_all(&mut self.parameters[before..]).map_err(|(name, all)| {
+                unknown(format!("{}.{name}", effect.id), name, format!("a parameter of this effect: {all}"))
+            })?;
         }
         Ok(())
     }

@@ -84,16 +84,26 @@ pub fn at_step_starts(
     let mut current = 0;
     (0..grid.steps)
         .map(|n| {
-            while current + 1 < time_s.len() && time_s[current + 1] <= grid.time(n) + grid.rounding() {
-                current += 1;
-            }
+            current = in_force(&time_s, current, grid.time(n) + grid.rounding());
             values[current]
         })
         .collect()
 }
 
+/// The sample that is in force at a time, from an earlier one on.
+fn in_force(time_s: &[f64], mut current: usize, at: f64) -> usize {
+    while current + 1 < time_s.len() && time_s[current + 1] <= at {
+        current += 1;
+    }
+    current
+}
+
 /// A command after the drive's stages.
-fn after(stages: &[Box<dyn CommandStage>], time_s: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn after(
+    stages: &[Box<dyn CommandStage>],
+    time_s: &[f64],
+    values: &[f64],
+) -> (Vec<f64>, Vec<f64>) {
     let (mut time_s, mut values) = (time_s.to_vec(), values.to_vec());
     stages.iter().for_each(|stage| stage.apply(&mut time_s, &mut values));
     (time_s, values)
@@ -118,9 +128,7 @@ fn hold_zero_order(time_s: &[f64], values: &[f64], grid: &Grid) -> Vec<f64> {
     (0..grid.steps)
         .map(|n| {
             let (from, to) = (grid.time(n), grid.time(n + 1));
-            while current + 1 < time_s.len() && time_s[current + 1] <= from + snap {
-                current += 1;
-            }
+            current = in_force(time_s, current, from + snap);
             if current + 1 == time_s.len() || time_s[current + 1] >= to - snap {
                 return values[current];
             }

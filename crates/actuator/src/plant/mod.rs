@@ -32,6 +32,7 @@ mod servo;
 mod trace;
 mod transmission;
 
+pub(crate) use command::after;
 pub use command::{Grid, at_step_starts, mean_per_step};
 pub use energy::EnergyLedger;
 pub use friction::Sliding;

@@ -248,6 +248,23 @@ pub struct EffectSpec {
 const BOUND_RATIO: f64 = 10.0;
 
 impl EffectSpec {
+    /// Puts the values that the file states into the effect's own parameters, whose names begin with its id.
+    ///
+    /// # Errors
+    ///
+    /// The name of the first value that belongs to none of them, and the names that they have.
+    pub fn state_all(&self, own: &mut [Parameter]) -> Result<(), (&str, String)> {
+        for (name, given) in &self.parameters {
+            let full = format!("{}.{name}", self.id);
+            let Some(parameter) = own.iter_mut().find(|p| p.name == full) else {
+                let all: Vec<&str> = own.iter().filter_map(|p| Some(p.name.rsplit_once('.')?.1)).collect();
+                return Err((name, all.join(", ")));
+            };
+            self.state(*given, parameter);
+        }
+        Ok(())
+    }
+
     /// Puts a value that the file states into a parameter of this effect.
     ///
     /// The catalogue guesses starts, and bounds that have a unit, from the runs at hand, of which a file says nothing:

@@ -111,13 +111,16 @@ impl RobotModel {
         if let Some(joint) = file.drive.keys().find(|joint| !names.contains(joint)) {
             return Err(stray("drive", joint, &names));
         }
-        let file = with_drives_effects(file, &names)?;
+        let mut drives: Vec<ActuatorSpec> = names
+            .iter()
+            .map(|joint| ActuatorSpec::load(file.drive_of(joint), Some(&file.folder)))
+            .collect::<Result<_, _>>()?;
+        let file = with_drives_effects(file, &mut drives, &names);
         let own = with_embedded(&file, own)?;
         let mut parameters: Vec<Parameter> = Vec::new();
         let mut joints = Vec::new();
-        for (i, joint) in robot.moving_joints().enumerate() {
+        for (i, (joint, mut spec)) in robot.moving_joints().zip(drives).enumerate() {
             let drive = file.drive_of(&joint.name);
-            let spec = ActuatorSpec::load(drive, Some(&file.folder))?;
             let slides = joint.kind == JointKind::Prismatic;
             if slides != (spec.kind == Kind::Linear) {
                 let kind = if slides { "linear: the joint slides" } else { "rotary: the joint turns" };
@@ -129,9 +132,6 @@ impl RobotModel {
                 return Err(bad(format!("drive.{}", joint.name), format!("'{drive}' must be {kind}{hint}")));
             }
             let load = equations.mass[(i, i)];
-            let mut spec = spec;
-            // They are the robot's, at this joint.
-            spec.effects.clear();
             // What the URDF states of the joint's viscous loss is its own, beside the drive's where no spring parts them.
             let sprung = !spec.is_rigid();
             if !sprung {

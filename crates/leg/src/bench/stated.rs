@@ -46,32 +46,30 @@ impl RobotModel {
                 with = including(&Excitation::default())?;
             }
             *self = with;
-            for (name, given) in &effect.parameters {
-                let full = format!("{}.{name}", effect.id);
-                let own = &mut self.parameters[before..];
-                let Some(p) = own.iter_mut().find(|p| p.name == full) else {
-                    let all: Vec<&str> =
-                        own.iter().filter_map(|p| Some(p.name.rsplit_once('.')?.1)).collect();
-                    let problem = format!("no parameter of this effect, which has {}", all.join(", "));
-                    return Err(bad(format!("effect.{full}"), problem));
-                };
-                effect.state(*given, p);
-            }
+            effect.state_all(&mut self.parameters[before..]).map_err(|(name, all)| {
+                let problem = format!("no parameter of this effect, which has {all}");
+                bad(format!("effect.{}.{name}", effect.id), problem)
+            })?;
         }
         Ok(())
     }
 }
 
-/// A robot's file with the effects of its drives' files at their joints, before its own, which go before one of the same id.
-pub(super) fn with_drives_effects(mut file: RobotFile, joints: &[String]) -> Result<RobotFile, LegError> {
+/// A robot's file with the effects of its joints' drives, which are taken from these: at their joints and before its own, which go
+/// before one of the same id.
+pub(super) fn with_drives_effects(
+    mut file: RobotFile,
+    drives: &mut [ActuatorSpec],
+    joints: &[String],
+) -> RobotFile {
     let mut of_drives = Vec::new();
-    for joint in joints {
-        let spec = ActuatorSpec::load(file.drive_of(joint), Some(&file.folder))?;
-        let placed = spec.effects.into_iter().map(|e| EffectSpec { id: format!("{joint}/{}", e.id), ..e });
+    for (drive, joint) in drives.iter_mut().zip(joints) {
+        let effects = std::mem::take(&mut drive.effects).into_iter();
+        let placed = effects.map(|e| EffectSpec { id: format!("{joint}/{}", e.id), ..e });
         of_drives.extend(placed.filter(|e| file.effects.iter().all(|own| own.id != e.id)));
     }
     file.effects.splice(0..0, of_drives);
-    Ok(file)
+    file
 }
 
 /// The own effects that a file's effects define, beside those `given`, each id once.

@@ -108,13 +108,11 @@ pub(crate) fn roles(
         };
         // A bench has one input, and a joint one command.
         let input = |t: &str| columns::INPUTS.contains(&t);
-        let command_of = |t: &str| {
-            let (joint, what) = t.rsplit_once('.')?;
-            columns::JOINT_COMMANDS.contains(&what).then(|| joint.to_owned())
-        };
-        let commands = command_of(&target);
+        let commands = columns::commanded_joint(&target);
         let twice = |t: &str| {
-            t == target || (input(t) && input(&target)) || (commands.is_some() && command_of(t) == commands)
+            t == target
+                || (input(t) && input(&target))
+                || (commands.is_some() && columns::commanded_joint(t) == commands)
         };
         let other = taken.iter().find(|(t, _)| twice(t));
         if let Some((_, other)) = other {

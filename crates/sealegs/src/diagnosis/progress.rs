@@ -30,8 +30,8 @@ impl<'a> Searching<'a> {
     /// the search can be ended from its begin to its end.
     pub fn tell(&self, doing: &Progress, spent: f64) {
         match doing {
-            Progress::Looking => self.end.is_under_way(true),
-            Progress::Searched => return self.end.is_under_way(false),
+            Progress::Looking => self.end.set_under_way(true),
+            Progress::Searched => return self.end.set_under_way(false),
             _ => {}
         }
         let said = message(doing);

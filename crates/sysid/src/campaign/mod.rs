@@ -27,6 +27,7 @@ pub use noise::{NoiseOrigin, NoiseStd, RepeatPair, quantum};
 pub use rig::RigValues;
 pub use sealegs_model::columns::{
     BESIDE as SIDE_COLUMNS, INPUTS as INPUT_COLUMNS, JOINT_COMMANDS, OUTPUTS as OUTPUT_COLUMNS,
+    commanded_joint,
 };
 
 use crate::nuisance::SensorPrior;

@@ -1,7 +1,9 @@
 //! One run's table, whatever it was stored as: what is asked of its columns, and the columns sorted by what they are.
 
 use super::file::{RunEntry, did_you_mean};
-use super::{Bench, FEWEST_ROWS, INPUT_COLUMNS, JOINT_COMMANDS, OUTPUT_COLUMNS, SIDE_COLUMNS};
+use super::{
+    Bench, FEWEST_ROWS, INPUT_COLUMNS, JOINT_COMMANDS, OUTPUT_COLUMNS, SIDE_COLUMNS, commanded_joint,
+};
 use crate::{Error, Place};
 use sealegs_logs::columns::ColumnMap;
 use sealegs_logs::join::{self, JoinError, Request};
@@ -228,7 +230,7 @@ pub(super) fn check_columns(path: &Path, at: Place, words: &[&str], said: Said) 
 
 /// Whether a robot's column commands a joint.
 fn is_joint_command(name: &str) -> bool {
-    name.rsplit_once('.').is_some_and(|(_, what)| JOINT_COMMANDS.contains(&what))
+    commanded_joint(name).is_some()
 }
 
 /// Whether a drive, at a joint or alone, reads the column beside its command.

@@ -5,7 +5,7 @@ use super::policy::{EXCITED, NEAR_FACTOR, ODD_SLOPE, SWAPPED_SLOPE};
 use super::units::{are_counts, probable, short};
 use super::{Finding, Problem, Severity, finding, offset, rates, stuck};
 use crate::{Campaign, Data, stats};
-use sealegs_model::columns::JOINT_COMMANDS;
+use sealegs_model::columns::commanded_joint;
 use sealegs_model::{Model, Parameter, Prediction, Unit};
 
 /// Integration steps per sampling period, as in a search: a sign needs no more.
@@ -242,10 +242,8 @@ pub(super) fn of_line(s: &Seen) -> Option<(Problem, f64)> {
 /// both run against a model it is the command that is wrong.
 fn commanded_against(campaign: &Campaign, channel: &str) -> Option<(String, String)> {
     let (joint, _) = channel.rsplit_once('.')?;
-    let command = campaign.runs.first()?.record.inputs.iter().find(|input| {
-        let of = input.channel.rsplit_once('.');
-        of.is_some_and(|(place, what)| place == joint && JOINT_COMMANDS.contains(&what))
-    })?;
+    let mut inputs = campaign.runs.first()?.record.inputs.iter();
+    let command = inputs.find(|input| commanded_joint(&input.channel) == Some(joint))?;
     Some((rates::agreeing(campaign, channel)?, command.channel.clone()))
 }
 

@@ -3,7 +3,7 @@
 use super::{one_line, place, quoted, range};
 use sealegs::logs::Log;
 use sealegs::logs::survey::{ColumnSurvey, Survey};
-use sealegs::sysid::campaign::{INPUT_COLUMNS, JOINT_COMMANDS};
+use sealegs::sysid::campaign::{INPUT_COLUMNS, commanded_joint};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -27,52 +27,32 @@ pub(super) fn lines(logs: &[(&Path, Log, Survey)]) -> String {
     }
     let mut taken: Vec<(&str, &str)> = Vec::new();
     // What one topic measures another one may command.
-    let goals: Vec<&ColumnSurvey> =
-        lines.values().copied().filter(|c| commanded_joint(c).is_some()).collect();
+    let joint_of = |column: &ColumnSurvey, measured: bool| {
+        let role = column.role.as_ref().filter(|role| role.stands_in == measured)?;
+        commanded_joint(&role.target).map(str::to_owned)
+    };
     for column in lines.values() {
-        let joint = column.role.as_ref().filter(|role| role.stands_in).map(|role| place_of(&role.target));
-        let other = joint.and_then(|joint| goals.iter().find(|c| commanded_joint(c) == Some(joint)));
-        match other {
-            Some(other) => {
-                let why = format!("measured; '{}' is the command", other.name);
-                let _ = writeln!(
-                    out,
-                    "# {} = \"\"   # {}; {}",
-                    quoted(&column.name),
-                    range(column),
-                    one_line(&why)
-                );
-            }
-            None => {
-                let _ = writeln!(out, "{}", map(column, &mut taken));
-            }
-        }
+        let joint = joint_of(column, true);
+        let command = lines.values().find(|c| joint.is_some() && joint_of(c, false) == joint);
+        let line = match command {
+            Some(command) => left_out(column, Some(&format!("measured; '{}' is the command", command.name))),
+            None => map(column, &mut taken),
+        };
+        let _ = writeln!(out, "{line}");
     }
     out
 }
 
-/// The joint before a channel's name.
-fn place_of(target: &str) -> &str {
-    target.rsplit_once('.').map_or("", |(joint, _)| joint)
-}
-
-/// The joint that a column commands, and does not only measure.
-fn commanded_joint(column: &ColumnSurvey) -> Option<&str> {
-    let role = column.role.as_ref().filter(|role| !role.stands_in)?;
-    let (joint, what) = role.target.rsplit_once('.')?;
-    JOINT_COMMANDS.contains(&what).then_some(joint)
+/// The line of a column that becomes nothing, with what it holds and why.
+fn left_out(column: &ColumnSurvey, why: Option<&str>) -> String {
+    let why = why.map_or_else(String::new, |why| format!("; {why}"));
+    format!("# {} = \"\"   # {}", quoted(&column.name), one_line(&(range(column) + &why)))
 }
 
 /// One line of `[columns]`; commented out where nothing is guessed, or where another column has the channel.
 fn map<'a>(column: &'a ColumnSurvey, taken: &mut Vec<(&'a str, &'a str)>) -> String {
     let source = quoted(&column.name);
-    let Some(role) = &column.role else {
-        let mut why = range(column);
-        if let Some(aside) = &column.aside {
-            let _ = write!(why, "; {aside}");
-        }
-        return format!("# {source} = \"\"   # {}", one_line(&why));
-    };
+    let Some(role) = &column.role else { return left_out(column, column.aside.as_deref()) };
     // Every table has its own time; a bench has one input.
     let input = |target: &str| INPUT_COLUMNS.contains(&target);
     let other = taken.iter().find(|(t, _)| *t == role.target || (input(t) && input(&role.target)));
