@@ -431,28 +431,40 @@ fn loggers_of_several_runs_are_paired_by_time_or_name_and_runs_that_are_called_s
     paired(0.0);
 }
 
+/// A recording of 40 entries as BAM writes them: single numbers, and what each entry says at a value of a sine.
+fn recording(file: &Path, numbers: &str, says: impl Fn(f64) -> String) {
+    let entry = |i: i32| {
+        let (t, x) = (0.01 * f64::from(i), (0.3 * f64::from(i)).sin());
+        format!("{{\"timestamp\": {t}, {}}}", says(x))
+    };
+    let entries: Vec<String> = (0..40).map(entry).collect();
+    std::fs::write(file, format!("{{{numbers}, \"entries\": [{}]}}", entries.join(", "))).unwrap();
+}
+
 #[test]
 fn what_logs_say_of_their_loads_and_gains_stands_in_their_runs() {
     let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, head: &str| {
-        let entry = |i: i32| {
-            let (t, x) = (0.01 * f64::from(i), (0.3 * f64::from(i)).sin());
-            format!("{{\"timestamp\": {t}, \"position\": {x}, \"goal_position\": {}}}", 0.9 * x)
-        };
-        let entries: Vec<String> = (0..40).map(entry).collect();
-        let file = folder.path().join(name);
-        std::fs::write(&file, format!("{{{head}, \"entries\": [{}]}}", entries.join(", "))).unwrap();
-        file
-    };
-    let light = write("light.json", "\"mass\": 0.5, \"length\": 0.15, \"kp\": 32");
-    let heavy = write("heavy.json", "\"mass\": 1.13, \"length\": 0.1, \"kp\": 16");
-    let out = folder.path().join("servo");
+    let [light, heavy, arm, out] =
+        ["light.json", "heavy.json", "arm.json", "out"].map(|n| folder.path().join(n));
+    let servo = |x: f64| format!("\"position\": {x}, \"goal_position\": {}", 0.9 * x);
+    recording(&light, "\"mass\": 0.5, \"length\": 0.15, \"kp\": 32", servo);
+    recording(&heavy, "\"mass\": 1.13, \"length\": 0.1, \"kp\": 16", servo);
     said(&["import", text(&light), text(&heavy), "-o", text(&out)]);
     let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
     let campaign = Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{written}"));
     let stated: Vec<_> = campaign.runs.iter().map(|run| (run.rig.mass_kg, run.rig.length_m)).collect();
     assert_eq!(stated, [(Some(0.5), Some(0.15)), (Some(1.13), Some(0.1))], "{written}");
     holds(&written, &["servo_gain = 32.0", "servo_gain = 16.0"]);
+    // A robot has no such load, and would refuse its keys.
+    let joint =
+        |name: &str, x: f64| format!("\"{name}_joint_position\": {x}, \"{name}_joint_torque_cmd\": {x}");
+    recording(&arm, "\"mass\": 0.5, \"length\": 0.15", |x| {
+        format!("{}, {}", joint("a", x), joint("b", 0.5 * x))
+    });
+    let out = folder.path().join("robot");
+    said(&["import", text(&arm), "-o", text(&out)]);
+    let written = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+    Campaign::read(&out).unwrap_or_else(|e| panic!("{e}\n{written}"));
 }
 
 #[test]

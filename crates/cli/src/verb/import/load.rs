@@ -10,14 +10,15 @@ const KEYS: [(&str, &[&str]); 4] = [
     ("servo_gain", &["kp"]),
 ];
 
-/// The keys of a `[[run]]` that a log's numbers fill in, where every log has them; of a servo's gain only where it differs: with
+/// The keys of a pendulum's `[[run]]` that a log's numbers fill in, where every log has them; of a servo's gain only where it differs: with
 /// one gain an actuator file states it as it is.
+#[derive(Default)]
 pub(super) struct Loads {
     keys: Vec<(&'static str, &'static str)>,
 }
 
 impl Loads {
-    /// Of the logs of a bench of one drive.
+    /// Of the logs of a pendulum.
     pub(super) fn of<'a>(logs: impl Iterator<Item = &'a Log> + Clone) -> Self {
         let every = |name: &str| logs.clone().all(|log| value(log, name).is_some_and(|v| v > 0.0));
         let differs = |name: &str| {

@@ -11,7 +11,7 @@ use crate::output::{Destination, NewFolder};
 use clap::Args;
 use load::Loads;
 use parts::{Parts, parts, runs_of_parts};
-use rig::rig;
+use rig::{bench, rig};
 use robot::KnownRobot;
 use sealegs::diagnosis::text::figures;
 use sealegs::logs::survey::{ClockSurvey, ColumnSurvey, Survey, TableSurvey, survey_named};
@@ -214,7 +214,11 @@ fn campaign(
         quoted(&name)
     );
     let urdf = robot.map(|robot| relative(folder, &robot.file)).transpose()?;
-    let loads = Loads::of(logs.iter().map(|(_, log, _)| log));
+    // The keys are a pendulum's: another bench would refuse them.
+    let loads = match bench(logs, urdf.is_some()) {
+        "pendulum" => Loads::of(logs.iter().map(|(_, log, _)| log)),
+        _ => Loads::default(),
+    };
     out.push_str(&rig(logs, urdf.as_deref(), loads.say_load()));
     let mut said: Vec<String> = Vec::new();
     for (_, log, _) in logs.iter().filter(|(_, log, _)| !log.constants.is_empty()) {

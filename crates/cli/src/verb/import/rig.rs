@@ -5,6 +5,9 @@ use sealegs::logs::Log;
 use sealegs::logs::survey::{ColumnSurvey, Survey};
 use std::path::Path;
 
+/// What is measured of a spring that is turned.
+const SPRING: [&str; 2] = ["spring_torque_nm", "spring_deflection_rad"];
+
 /// What a column is called that commands torques without those that hold the robot against gravity: libfranka's.
 const WITHOUT_GRAVITY: &str = "tau_J_d";
 
@@ -15,6 +18,30 @@ fn columns<'a>(logs: &'a [(&Path, Log, Survey)]) -> impl Iterator<Item = &'a Col
 /// What columns are guessed to be.
 fn targets<'a>(logs: &'a [(&Path, Log, Survey)]) -> impl Iterator<Item = &'a str> {
     columns(logs).filter_map(|c| Some(c.role.as_ref()?.target.as_str()))
+}
+
+/// What the logs were recorded on, as a campaign file calls it.
+pub(super) fn bench(logs: &[(&Path, Log, Survey)], has_urdf: bool) -> &'static str {
+    let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
+    if has_urdf || targets(logs).any(|target| target.contains('.')) {
+        "robot"
+    } else if has("joint_angle_rad") {
+        "pendulum"
+    } else if is_sprung(logs) {
+        "locked"
+    } else if has("motor_angle_rad") {
+        "pendulum"
+    } else {
+        "free"
+    }
+}
+
+/// Whether a spring is measured, of a drive that is turned or by the load cells of a beam. A drive without one that follows a goal, or
+/// whose joint is measured alone, has no load cell of a beam.
+fn is_sprung(logs: &[(&Path, Log, Survey)]) -> bool {
+    let has = |ending: &str| targets(logs).any(|target| target.ends_with(ending));
+    let linear = ["force_1_n", "force_2_n", "spring_deflection_m"].into_iter().any(has);
+    SPRING.into_iter().any(has) || (linear && !has("position_rad") && !has("position_m"))
 }
 
 /// Bench and actuator that have such columns; the robot's, where its `urdf` is known. The load of a pendulum is left to be stated,
@@ -37,7 +64,8 @@ pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>, loads_are_s
         ),
         false => String::new(),
     };
-    if urdf.is_some() || targets(logs).any(|target| target.contains('.')) {
+    let bench = bench(logs, urdf.is_some());
+    if bench == "robot" {
         let constant = constant("JOINT.torque_nm");
         let pieces = match has("torque_nm") {
             true => {
@@ -71,12 +99,8 @@ pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>, loads_are_s
              # An encoder on the motor's side of a gear is JOINT.motor_angle_rad, times the ratio where it is logged at the output.\n"
         );
     }
-    let spring = ["spring_torque_nm", "spring_deflection_rad"].into_iter().any(has);
-    let linear = ["force_1_n", "force_2_n", "spring_deflection_m"].into_iter().any(has);
-    // A drive without a spring that follows a goal, or whose joint is measured alone, has no load cell of a beam.
-    if spring || (linear && !has("position_rad") && !has("position_m")) {
-        let sprung = if spring { "rmd-x8-rotary-sea" } else { "thor-linear" };
-        let bench = if has("joint_angle_rad") { "pendulum" } else { "locked" };
+    if is_sprung(logs) {
+        let sprung = if SPRING.into_iter().any(has) { "rmd-x8-rotary-sea" } else { "thor-linear" };
         let load = match bench {
             "pendulum" if !loads_are_said => {
                 "mass_kg = 1.0              # TODO: the load of the pendulum, and its distance\nlength_m = 0.1\n"
@@ -87,7 +111,7 @@ pub(super) fn rig(logs: &[(&Path, Log, Survey)], urdf: Option<&str>, loads_are_s
             "bench = \"{bench}\"         # TODO: what it was recorded on: locked, pendulum, free, robot, leg\n\
              actuator = \"{sprung}\"   # TODO: a preset (`sealegs list`) or an actuator file beside this one\n{load}"
         )
-    } else if has("joint_angle_rad") || has("motor_angle_rad") {
+    } else if bench == "pendulum" {
         let constant = constant("joint_torque_nm");
         let load = match loads_are_said {
             true => "",
